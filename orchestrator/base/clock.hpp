@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+namespace sandglass {
+
+/// Time as the engine sees it; tests replace it.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// Seconds since an arbitrary origin, monotonic.
+  [[nodiscard]] virtual double now() const = 0;
+};
+
+/// The machine's monotonic clock.
+class SystemClock final : public Clock {
+ public:
+  [[nodiscard]] double now() const override;
+};
+
+/// The date and time now, UTC, as "2026-11-22T14:03:33Z".
+std::string date_and_time();
+
+}  // namespace sandglass
