@@ -1,0 +1,246 @@
+#include "participant/participant.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace sandglass::participant {
+namespace {
+
+constexpr const char* kProtocol = "1";
+/// How often to look for an answer before going to sleep: waking up costs more than a short wait.
+constexpr int kLooks = 100;
+constexpr size_t kLongestLine = 65536;
+constexpr size_t kMostNotes = 1000;
+
+}  // namespace
+
+Participant::Participant(Description description, Watch& watch)
+    : description_(std::move(description)),
+      watch_(watch),
+      slot_(description_.slot, description_.name, description_.inputs, description_.outputs,
+            description_.mapped) {
+  auto& environment = description_.command.environment;
+  environment["SANDGLASS_SLOT"] = description_.slot;
+  if (!description_.script.empty()) environment["SANDGLASS_SCRIPT"] = description_.script;
+}
+
+Participant::~Participant() {
+  if (child_) watch_.remove(child_.get());
+}
+
+Error Participant::failure(const std::string& what, const std::string& remedy) const {
+  const exchange::Window window = slot_.window();
+  std::string where = description_.name;
+  if (window.index > 0) where += fmt::format(", window {}", window.index);
+  const std::string lines = last_lines(description_.command.log);
+  std::string text = fmt::format("participant {} {}", where, what);
+  if (!lines.empty())
+    text += fmt::format("\nlast lines of {}:\n{}", description_.command.log, lines);
+  return Error::participant(text, remedy);
+}
+
+void Participant::start() {
+  child_ = std::make_unique<Child>(description_.name, description_.command, true);
+  watch_.add(child_.get());
+  unread_.clear();
+  asked_ = "to be set up";
+}
+
+void Participant::wait_until_ready() {
+  const std::string line = hear();
+  std::istringstream words(line);
+  std::string word;
+  std::string version;
+  words >> word >> version;
+  if (word == "error")
+    throw failure("could not be set up: " + line.substr(std::min<size_t>(6, line.size())));
+  if (word != "ready" || version != kProtocol) {
+    throw failure(fmt::format("answered '{}' where 'ready {}' was expected", line, kProtocol),
+                  "see the participant protocol in templates/README.md");
+  }
+  abilities_.clear();
+  while (words >> word) abilities_.insert(word);
+  if (!description_.window_script.empty()) use_window_script(description_.window_script);
+}
+
+void Participant::use_window_script(const std::string& path) {
+  description_.window_script = path;
+  if (!child_) return;
+  say("script " + path);
+  hear_ok("script");
+}
+
+void Participant::begin(const exchange::Window& window) {
+  slot_.set_window(window);
+  slot_.clear_outputs();
+  if (description_.fresh) {
+    if (!child_) start();
+    wait_until_ready();
+    if (window.index > 1 && !abilities_.contains("stateless")) load(state_path(window.index - 1));
+  }
+  if (description_.mapped) {
+    say("advance");
+    return;
+  }
+  const std::string stem = fmt::format("{}/window-{:06}-{:03}", description_.work_directory,
+                                       window.index, window.iteration);
+  slot_.write_fresh(stem + ".in.h5");
+  output_file_ = stem + ".out.h5";
+  say(fmt::format("advance {} {}", stem + ".in.h5", output_file_));
+}
+
+void Participant::finish() {
+  hear_ok("advance");
+  const std::int64_t index = slot_.window().index;
+  if (!description_.mapped) {
+    try {
+      slot_.read_fresh(output_file_);
+    } catch (const Error& error) {
+      throw failure(fmt::format("left no readable file of its fields: {}", error.what()));
+    }
+  }
+  window_seconds_ = slot_.seconds();
+  if (description_.fresh) {
+    if (!abilities_.contains("stateless")) {
+      if (!abilities_.contains("disk")) {
+        throw failure(
+            "is to be fresh in every window but can neither write its state nor is stateless",
+            "use 'process: resident'");
+      }
+      checkpoint(state_path(index));
+    }
+    stop();
+    if (index > 1) {
+      std::error_code ignored;
+      std::filesystem::remove(state_path(index - 1), ignored);
+    }
+  }
+}
+
+void Participant::save() {
+  if (abilities_.contains("stateless")) return;
+  say("save");
+  hear_ok("save");
+}
+
+void Participant::restore() {
+  if (abilities_.contains("stateless")) return;
+  say("restore");
+  hear_ok("restore");
+}
+
+void Participant::checkpoint(const std::string& path) {
+  say("checkpoint " + path);
+  hear_ok("checkpoint");
+}
+
+void Participant::load(const std::string& path) {
+  say("load " + path);
+  hear_ok("load");
+}
+
+void Participant::stop() {
+  if (!child_) return;
+  say("stop");
+  hear_ok("stop");
+  const Watch::Outcome outcome = [&] {
+    // Only this one may exit now; another's death is found at its own next answer.
+    Watch alone;
+    alone.add(child_.get());
+    return alone.wait(-1, description_.deadline);
+  }();
+  if (outcome.event == Watch::Event::late) {
+    throw failure(
+        fmt::format("answered 'stop' but did not exit within {} s", description_.deadline));
+  }
+  const auto ended = child_->poll_exit();
+  end_process();
+  if (ended && !ended->good()) throw failure("ended with " + ended->text());
+}
+
+void Participant::end_process() {
+  watch_.remove(child_.get());
+  if (const auto ended = child_->poll_exit()) {
+    peak_memory_bytes_ = std::max(peak_memory_bytes_, ended->peak_memory_bytes);
+  }
+  child_.reset();
+}
+
+std::string Participant::state_path(std::int64_t window) const {
+  return fmt::format("{}/state-{:06}", description_.work_directory, window);
+}
+
+void Participant::say(const std::string& line) {
+  asked_ = line;
+  // A participant that has gone is found, with its exit status, while waiting for the answer.
+  static_cast<void>(child_->write_command(line + "\n"));
+}
+
+std::string Participant::hear() {
+  bool open = true;
+  for (int looks = 0;;) {
+    for (size_t end = unread_.find('\n'); end != std::string::npos; end = unread_.find('\n')) {
+      std::string line = unread_.substr(0, end);
+      unread_.erase(0, end + 1);
+      if (line.rfind("note ", 0) == 0) {
+        if (notes_.size() < kMostNotes) notes_.push_back(line.substr(5));
+      } else if (line.rfind("saved ", 0) == 0) {
+        std::istringstream words(line.substr(6));
+        Saving saving;
+        words >> saving.name >> saving.seconds;
+        savings_.push_back(saving);
+      } else {
+        return line;
+      }
+    }
+    if (unread_.size() > kLongestLine) throw failure("sent a line without end");
+    if (open && looks++ < kLooks) {
+      open = child_->read_replies(unread_);
+      continue;
+    }
+    const Watch::Outcome outcome =
+        watch_.wait(open ? child_->reply_descriptor() : -1, description_.deadline);
+    looks = kLooks - 1;
+    if (outcome.event == Watch::Event::ready) continue;
+    if (outcome.event == Watch::Event::late) {
+      throw failure(fmt::format("did not answer '{}' within its deadline of {} s", asked_,
+                                description_.deadline),
+                    "raise its 'deadline' in the workflow, or see its log for what holds it up");
+    }
+    if (outcome.child == child_.get()) {
+      // What it said before it went may still be in the pipe.
+      if (open) open = child_->read_replies(unread_);
+      if (unread_.find('\n') != std::string::npos) continue;
+      const auto ended = child_->poll_exit();
+      throw failure(fmt::format("ended by itself ({}) when asked '{}'",
+                                ended ? ended->text() : "unknown status", asked_));
+    }
+    const auto ended = outcome.child->poll_exit();
+    const std::string lines = last_lines(outcome.child->log());
+    throw Error::participant(fmt::format(
+        "participant {}, window {} ended by itself ({}) while {} was at work{}",
+        outcome.child->name(), slot_.window().index, ended ? ended->text() : "unknown status",
+        description_.name,
+        lines.empty() ? "" : "\nlast lines of " + outcome.child->log() + ":\n" + lines));
+  }
+}
+
+void Participant::hear_ok(const std::string& asked) {
+  const std::string line = hear();
+  if (line == "ok") return;
+  if (line.rfind("error", 0) == 0) {
+    throw failure(fmt::format("failed at '{}': {}", asked,
+                              line.size() > 6 ? line.substr(6) : "no reason given"));
+  }
+  throw failure(fmt::format("answered '{}' to '{}'", line, asked),
+                "see the participant protocol in templates/README.md");
+}
+
+}  // namespace sandglass::participant

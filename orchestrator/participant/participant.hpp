@@ -1,0 +1,101 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "exchange/slot.hpp"
+#include "process/child.hpp"
+
+namespace sandglass::participant {
+
+/// Everything needed to start one participant and to talk to it.
+struct Description {
+  std::string name;
+  Command command;             ///< its environment is completed with the protocol's variables
+  std::string script;          ///< path of the rendered script; may be empty
+  std::string window_script;   ///< path of the script executed at every window; may be empty
+  std::string slot;            ///< path of the slot to create
+  std::string work_directory;  ///< where fresh files and state files go
+  std::vector<exchange::FieldLayout> inputs;
+  std::vector<exchange::FieldLayout> outputs;
+  bool fresh = false;    ///< a new process for every window
+  bool mapped = true;    ///< false: fields cross as fresh files
+  double deadline = 60;  ///< seconds that one answer may take
+};
+
+/// What leaving something out has saved, as the participant measured it.
+struct Saving {
+  std::string name;
+  double seconds = 0;
+};
+
+/// One external solver in a coupled stage, by the participant protocol (templates/README.md).
+/// Everything that goes wrong with it is Error::participant with its name, the window, and the last
+/// lines of its log.
+class Participant {
+ public:
+  Participant(Description description, Watch& watch);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return description_.name; }
+  [[nodiscard]] exchange::Slot& slot() { return slot_; }
+  [[nodiscard]] const std::vector<exchange::FieldLayout>& outputs() const {
+    return description_.outputs;
+  }
+
+  /// Starts the process; returns at once, so that several start at the same time.
+  void start();
+  /// Waits until it is set up.
+  void wait_until_ready();
+  /// Asks it to go on to the end of the window; returns at once.
+  void begin(const exchange::Window& window);
+  /// Waits for that.
+  void finish();
+  /// Keeps or brings back its state in memory (iterated schemes).
+  void save();
+  void restore();
+  /// Writes its state, and goes on from what a reader of it would have.
+  void checkpoint(const std::string& path);
+  void load(const std::string& path);
+  /// Executes this script from the next window on.
+  void use_window_script(const std::string& path);
+  /// Ends it in good order and waits for its exit.
+  void stop();
+
+  /// "memory", "disk", "stateless"; known once it is ready.
+  [[nodiscard]] const std::set<std::string>& abilities() const { return abilities_; }
+  /// Seconds that its last window took by its own account.
+  [[nodiscard]] double seconds() const { return window_seconds_; }
+  [[nodiscard]] double peak_memory_bytes() const { return peak_memory_bytes_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<Saving>& savings() const { return savings_; }
+
+ private:
+  void say(const std::string& line);
+  /// The next line that is an answer; lines in between are kept as notes and savings.
+  std::string hear();
+  void hear_ok(const std::string& asked);
+  void end_process();
+  [[nodiscard]] std::string state_path(std::int64_t window) const;
+  [[nodiscard]] Error failure(const std::string& what, const std::string& remedy = {}) const;
+
+  Description description_;
+  Watch& watch_;
+  exchange::Slot slot_;
+  std::unique_ptr<Child> child_;
+  std::string unread_;
+  std::string asked_;  ///< the command being answered, for messages
+  std::string output_file_;
+  std::set<std::string> abilities_;
+  std::vector<std::string> notes_;
+  std::vector<Saving> savings_;
+  double peak_memory_bytes_ = 0;
+  double window_seconds_ = 0;
+};
+
+}  // namespace sandglass::participant
