@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+
+/// Windows, schemes and their order: arithmetic over interfaces, without files and processes.
+namespace sandglass::coupling {
+
+using Shape = std::vector<std::int64_t>;
+
+/// What the engine asks of a participant.
+class Partner {
+ public:
+  virtual ~Partner() = default;
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  /// Gives it the values of field number `field`.
+  virtual void give(std::size_t field, std::span<const double> values, const Shape& shape) = 0;
+  /// Starts it on a window; returns at once.
+  virtual void begin(std::int64_t window, std::int64_t iteration, double begin, double end) = 0;
+  /// Waits until it has done it.
+  virtual void finish() = 0;
+  /// What it has sent of field number `field`: at most the promised number of values, and the shape
+  /// that it says they have (a first axis below zero: nothing was sent).
+  struct Sent {
+    std::span<const double> values;
+    Shape shape;
+  };
+  [[nodiscard]] virtual Sent take(std::size_t field) = 0;
+  /// Its state in memory, for schemes that repeat a window.
+  virtual void save() = 0;
+  virtual void restore() = 0;
+  /// Seconds it has worked on its last window, by its own account.
+  [[nodiscard]] virtual double seconds() const = 0;
+};
+
+/// A field that crosses between partners.
+struct Field {
+  std::string name;
+  Shape shape;            ///< as sent
+  bool variable = false;  ///< the first axis of `shape` is an upper limit
+  std::size_t from = 0;   ///< number of the partner that sends it
+  std::size_t to = 0;     ///< number of the partner that receives it, or kNobody
+  /// In transit; empty for identity.
+  std::function<std::vector<double>(std::span<const double>, const Shape&, Shape& result)>
+      transform;
+  Shape received_shape;
+  double initial = 0;  ///< every value before the sender has spoken
+};
+inline constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+
+enum class Scheme {
+  serial_explicit,   ///< one after the other, each with the newest values (Gauss-Seidel)
+  parallel_explicit  ///< all at once, with the values of the window before (Jacobi)
+};
+
+struct Plan {
+  Scheme scheme = Scheme::serial_explicit;
+  double window = 0;         ///< s
+  std::int64_t windows = 0;  ///< how many
+  std::vector<Field> fields;
+};
+
+/// Where the time of one window went, in seconds.
+struct Timing {
+  std::vector<double> partners;  ///< each partner's work, by its own account
+  double working = 0;            ///< of that, what the window had to wait for: the sum of partners
+                                 ///< that work in turn, the longest of those at the same time
+  double exchange = 0;           ///< copying, checking and transforming fields
+  double total = 0;              ///< the whole window, as the engine saw it
+};
+
+/// One window that is done: what was sent, in the order of the plan's fields.
+struct Done {
+  std::int64_t window = 0;
+  std::int64_t iterations = 1;
+  double begin = 0;
+  double end = 0;
+  struct Values {
+    std::span<const double> values;
+    Shape shape;
+  };
+  std::vector<Values> fields;
+  Timing timing;
+};
+
+/// Runs all windows of the plan. Calls `before` ahead of and `after` behind each. Throws
+/// Error::participant for an array of the wrong shape, Error::unstable for a value that is not
+/// finite, each naming participant, field and window, and passes on what partners throw. Everything
+/// handed to `after` until then is whole.
+void run(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock,
+         const std::function<void(std::int64_t window)>& before,
+         const std::function<void(const Done&)>& after);
+
+}  // namespace sandglass::coupling
