@@ -1,0 +1,137 @@
+#include "record/record.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+
+namespace sandglass::record {
+namespace {
+
+void describe(hdf5::File& file) {
+  file.set_attribute("/", "filetype", "sandglass record");
+  file.set_attribute("/", "version", std::vector<std::int64_t>{1, 0});
+}
+
+void describe_field(hdf5::File& file, const RecordedField& field) {
+  const std::string name = "/fields/" + field.name;
+  file.set_attribute(name, "unit", field.unit);
+  file.set_attribute(name, "from", field.from);
+  file.set_attribute(name, "to", field.to);
+}
+
+hdf5::Shape with_windows(std::int64_t windows, const hdf5::Shape& shape) {
+  hdf5::Shape all{windows};
+  all.insert(all.end(), shape.begin(), shape.end());
+  return all;
+}
+
+}  // namespace
+
+Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField> fields,
+               std::vector<std::string> timing_columns)
+    : path_(std::move(path)),
+      planned_(windows),
+      fields_(std::move(fields)),
+      timing_columns_(std::move(timing_columns)) {
+  hdf5::File file(path_, hdf5::File::Mode::create);
+  describe(file);
+  const auto reserve = [&](const std::string& name, hdf5::Type type, const hdf5::Shape& shape) {
+    const hdf5::Location at = file.reserve(name, type, with_windows(windows, shape));
+    return Column{at.offset, static_cast<std::uint64_t>(hdf5::count_of(shape)) * 8};
+  };
+  windows_ = Column{file.reserve("/windows", hdf5::Type::int64, {1}).offset, 8};
+  time_ = reserve("/time", hdf5::Type::float64, {2});
+  iterations_ = reserve("/iterations", hdf5::Type::int64, {});
+  for (const std::string& column : timing_columns_) {
+    timings_.push_back(reserve("/timings/" + column, hdf5::Type::float64, {}));
+  }
+  for (const RecordedField& field : fields_) {
+    counts_.push_back(field.variable ? reserve("/counts/" + field.name, hdf5::Type::int64, {})
+                                     : Column{});
+    values_.push_back(reserve("/fields/" + field.name, hdf5::Type::float64, field.shape));
+    describe_field(file, field);
+  }
+  file.close();
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw_system_error("open the record", path_, errno);
+}
+
+Record::~Record() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void Record::write_at(std::uint64_t offset, const void* bytes, std::size_t count) {
+  const char* from = static_cast<const char*>(bytes);
+  while (count > 0) {
+    const ssize_t written = ::pwrite(descriptor_, from, count, static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw_system_error("append to the record", path_, errno);
+    from += written;
+    offset += static_cast<std::uint64_t>(written);
+    count -= static_cast<std::size_t>(written);
+  }
+}
+
+void Record::append(const Row& row) {
+  const auto index = static_cast<std::uint64_t>(appended_);
+  const auto put = [&](const Column& column, const void* bytes, std::size_t count) {
+    write_at(column.offset + index * column.row_bytes, bytes, count);
+  };
+  const double time[2] = {row.begin, row.end};
+  put(time_, time, sizeof time);
+  put(iterations_, &row.iterations, sizeof row.iterations);
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    put(values_[f], row.fields[f].values.data(), row.fields[f].values.size_bytes());
+    if (fields_[f].variable) put(counts_[f], &row.fields[f].count, sizeof row.fields[f].count);
+  }
+  for (std::size_t t = 0; t < timings_.size(); ++t)
+    put(timings_[t], &row.timings[t], sizeof(double));
+  // Last: a row counts only when all of it is there.
+  ++appended_;
+  write_at(windows_.offset, &appended_, sizeof appended_);
+}
+
+void Record::close() {
+  if (descriptor_ < 0) return;
+  const int descriptor = std::exchange(descriptor_, -1);
+  const bool flushed = ::fsync(descriptor) == 0;
+  const int number = errno;
+  if (::close(descriptor) != 0 || !flushed) throw_system_error("flush the record", path_, number);
+  if (appended_ < planned_) cut();
+}
+
+void Record::cut() {
+  const std::string shorter = path_ + ".part";
+  {
+    const hdf5::File from(path_, hdf5::File::Mode::read);
+    hdf5::File to(shorter, hdf5::File::Mode::create);
+    describe(to);
+    to.write("/windows", {1}, std::vector<std::int64_t>{appended_});
+    const auto copy_numbers = [&](const std::string& name, const hdf5::Shape& shape) {
+      to.write(name, with_windows(appended_, shape), from.read_numbers(name, appended_));
+    };
+    const auto copy_counts = [&](const std::string& name) {
+      to.write(name, {appended_}, from.read_counts(name, appended_));
+    };
+    copy_numbers("/time", {2});
+    copy_counts("/iterations");
+    for (const std::string& column : timing_columns_) copy_numbers("/timings/" + column, {});
+    for (const RecordedField& field : fields_) {
+      if (field.variable) copy_counts("/counts/" + field.name);
+      copy_numbers("/fields/" + field.name, field.shape);
+      describe_field(to, field);
+    }
+    to.close();
+  }
+  if (std::rename(shorter.c_str(), path_.c_str()) != 0)
+    throw_system_error("rename", shorter, errno);
+}
+
+}  // namespace sandglass::record
