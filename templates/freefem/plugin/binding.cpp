@@ -1,0 +1,300 @@
+// The plugin `sandglass`: the participant protocol and HDF5 as FreeFEM functions. Only FreeFEM's
+// types are dealt with here; the work is done in participant.cpp and hdf5_file.cpp.
+
+#include <AFunction.hpp>
+#include <InitFunct.hpp>
+#include <RNM.hpp>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <error.hpp>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "hdf5_file.hpp"
+#include "participant.hpp"
+
+namespace {
+
+using sandglass::Participant;
+namespace hdf5_file = sandglass::hdf5_file;
+template <class Number>
+using Array = hdf5_file::Array<Number>;
+
+/// A C++ function `Result f(Stack, Arguments...)` as a FreeFEM function. What it throws becomes an
+/// error of the script, which FreeFEM reports with the script's line.
+template <class Result, class... Arguments>
+class Function : public OneOperator {
+ public:
+  using Body = Result (*)(Stack, Arguments...);
+  explicit Function(Body body)
+      : OneOperator(map_type[typeid(Result).name()], map_type[typeid(Arguments).name()]...),
+        body_(body) {}
+
+  E_F0* code(const basicAC_F0& arguments) const override {
+    return cast(arguments, std::index_sequence_for<Arguments...>());
+  }
+
+ private:
+  using Expressions = std::array<Expression, sizeof...(Arguments)>;
+
+  /// E_F0mps: evaluated every time, never taken for a constant.
+  class Call : public E_F0mps {
+   public:
+    Call(Body body, Expressions arguments) : body_(body), arguments_(arguments) {}
+    AnyType operator()(Stack stack) const override {
+      return evaluate(stack, std::index_sequence_for<Arguments...>());
+    }
+
+   private:
+    template <std::size_t... I>
+    AnyType evaluate(Stack stack, std::index_sequence<I...>) const {
+      try {
+        return SetAny<Result>(body_(stack, GetAny<Arguments>((*arguments_[I])(stack))...));
+      } catch (const std::exception& error) {
+        throw ErrorExec(error.what(), 1);
+      }
+    }
+    Body body_;
+    Expressions arguments_;
+  };
+
+  template <std::size_t... I>
+  E_F0* cast(const basicAC_F0& arguments, std::index_sequence<I...>) const {
+    return new Call(body_, Expressions{t[I]->CastTo(arguments[I])...});
+  }
+  Body body_;
+};
+
+template <class Result, class... Arguments>
+void add(const char* name, Result (*body)(Stack, Arguments...)) {
+  Global.Add(name, "(", new Function<Result, Arguments...>(body));
+}
+
+string* text(Stack stack, const std::string& value) {
+  return Add2StackOfPtr2Free(stack, new string(value));
+}
+
+// FreeFEM keeps matrices column by column and slices with strides; HDF5 and the protocol want rows.
+
+template <class Number>
+Array<Number> packed(const KN_<Number>& vector) {
+  Array<Number> array{{static_cast<std::int64_t>(vector.N())}, {}};
+  array.values.reserve(static_cast<std::size_t>(vector.N()));
+  for (long i = 0; i < vector.N(); ++i) array.values.push_back(vector[i]);
+  return array;
+}
+
+Array<double> packed(const KNM<double>& matrix) {
+  Array<double> array{{matrix.N(), matrix.M()}, {}};
+  for (long i = 0; i < matrix.N(); ++i)
+    for (long j = 0; j < matrix.M(); ++j) array.values.push_back(matrix(i, j));
+  return array;
+}
+
+template <class Number>
+void unpack(const std::vector<Number>& values, KN<Number>& vector) {
+  vector.resize(static_cast<long>(values.size()));
+  for (long i = 0; i < vector.N(); ++i) vector[i] = values[static_cast<std::size_t>(i)];
+}
+
+void unpack(const Array<double>& array, KNM<double>& matrix, const std::string& name) {
+  if (array.shape.size() != 2)
+    throw std::runtime_error("'" + name + "' has " + std::to_string(array.shape.size()) +
+                             " axes; a real[int,int] has two");
+  matrix.resize(array.shape[0], array.shape[1]);
+  for (long i = 0; i < matrix.N(); ++i)
+    for (long j = 0; j < matrix.M(); ++j)
+      matrix(i, j) = array.values[static_cast<std::size_t>(i * matrix.M() + j)];
+}
+
+// The participant protocol.
+
+Participant& participant() {
+  static const std::unique_ptr<Participant> instance = Participant::from_environment();
+  return *instance;
+}
+
+/// Ends the process, as FreeFEM ends after an error. Not by an exception: FreeFEM unwinds a loop by
+/// deleting the variables of its body once more, and crashes on those not yet set in this turn.
+[[noreturn]] void end(int status) {
+  std::cout.flush();
+  std::_Exit(status);
+}
+
+[[noreturn]] void end_with_error(const std::string& why) {
+  std::cout << "sandglass: " << why << " (line " << TheCurrentLine << ")" << std::endl;
+  end(8);
+}
+
+/// What goes wrong in the protocol ends the script, and the orchestrator is told why.
+template <class Action>
+auto telling(const Action& action) {
+  try {
+    return action();
+  } catch (const std::exception& error) {
+    participant().fail(error.what());
+    end_with_error(error.what());
+  }
+}
+
+long ready(Stack, string* abilities) {
+  participant().ready(*abilities);
+  return 0;
+}
+
+string* next(Stack stack) {
+  const std::string command = telling([] { return participant().next(); });
+  if (command.empty()) end(0);  // the orchestrator has gone: nobody is left to answer to
+  return text(stack, command);
+}
+
+long receive(Stack, string* field, KN<double>* vector) {
+  telling([&] { unpack(participant().receive(*field).values, *vector); });
+  return vector->N();
+}
+
+long receive_rows(Stack, string* field, KNM<double>* matrix) {
+  telling([&] { unpack(participant().receive(*field), *matrix, *field); });
+  return matrix->N();
+}
+
+long send(Stack, string* field, KN_<double> vector) {
+  telling([&] { participant().send(*field, packed(vector).values); });
+  return vector.N();
+}
+
+long send_rows(Stack, string* field, KNM<double>* matrix) {
+  telling([&] { participant().send(*field, packed(*matrix)); });
+  return matrix->N();
+}
+
+long done(Stack) {
+  std::cout.flush();
+  telling([] { participant().done(); });
+  return 0;
+}
+
+/// In a participant the orchestrator is told; in a stage's script the log is all there is.
+long fail(Stack, string* why) {
+  if (std::getenv("SANDGLASS_REPLIES") != nullptr) participant().fail(*why);
+  end_with_error(*why);
+}
+
+string* path(Stack stack) { return text(stack, participant().path()); }
+long window(Stack, long i) { return participant().window(static_cast<int>(i)); }
+double time_of(Stack, long i) { return participant().time(static_cast<int>(i)); }
+
+long note(Stack, string* words) {
+  participant().note(*words);
+  return 0;
+}
+
+long saved(Stack, string* name, double seconds) {
+  participant().saved(*name, seconds);
+  return 0;
+}
+
+long finished(Stack) {
+  std::cout << "sandglass: finished" << std::endl;
+  return 0;
+}
+
+double clock_seconds(Stack) { return sandglass::monotonic_seconds(); }
+
+// Files of one's own.
+
+template <class Number>
+long read_vector(Stack, string* file, string* dataset, KN<Number>* vector) {
+  unpack(hdf5_file::read<Number>(*file, *dataset).values, *vector);
+  return vector->N();
+}
+
+long read_matrix(Stack, string* file, string* dataset, KNM<double>* matrix) {
+  unpack(hdf5_file::read<double>(*file, *dataset), *matrix, *dataset);
+  return matrix->N();
+}
+
+template <class Number>
+long write_vector(Stack, string* file, string* dataset, KN_<Number> vector) {
+  hdf5_file::write(*file, *dataset, packed(vector));
+  return vector.N();
+}
+
+long write_matrix(Stack, string* file, string* dataset, KNM<double>* matrix) {
+  hdf5_file::write(*file, *dataset, packed(*matrix));
+  return matrix->N();
+}
+
+bool exists(Stack, string* file, string* object) { return hdf5_file::exists(*file, *object); }
+
+double attribute(Stack, string* file, string* object, string* name) {
+  return hdf5_file::number_attribute(*file, *object, *name);
+}
+
+string* attribute_text(Stack stack, string* file, string* object, string* name) {
+  return text(stack, hdf5_file::text_attribute(*file, *object, *name));
+}
+
+long set_attribute(Stack, string* file, string* object, string* name, double value) {
+  hdf5_file::set_attribute(*file, *object, *name, value);
+  return 0;
+}
+
+long set_attribute_text(Stack, string* file, string* object, string* name, string* value) {
+  hdf5_file::set_attribute(*file, *object, *name, *value);
+  return 0;
+}
+
+bool finite_number(Stack, double value) { return std::isfinite(value); }
+
+// NOLINTNEXTLINE(performance-unnecessary-value-param): FreeFEM hands over views by value
+bool finite_vector(Stack, KN_<double> vector) {
+  for (long i = 0; i < vector.N(); ++i)
+    if (!std::isfinite(vector[i])) return false;
+  return true;
+}
+
+bool finite_matrix(Stack, KNM<double>* matrix) {
+  for (long i = 0; i < matrix->N(); ++i)
+    for (long j = 0; j < matrix->M(); ++j)
+      if (!std::isfinite((*matrix)(i, j))) return false;
+  return true;
+}
+
+void add_functions() {
+  add("sandglassReady", ready);
+  add("sandglassNext", next);
+  add("sandglassReceive", receive);
+  add("sandglassReceive", receive_rows);
+  add("sandglassSend", send);
+  add("sandglassSend", send_rows);
+  add("sandglassDone", done);
+  add("sandglassFail", fail);
+  add("sandglassPath", path);
+  add("sandglassWindow", window);
+  add("sandglassTime", time_of);
+  add("sandglassNote", note);
+  add("sandglassSaved", saved);
+  add("sandglassFinished", finished);
+  add("sandglassClock", clock_seconds);
+  add("h5read", read_vector<double>);
+  add("h5read", read_vector<long>);
+  add("h5read", read_matrix);
+  add("h5write", write_vector<double>);
+  add("h5write", write_vector<long>);
+  add("h5write", write_matrix);
+  add("h5exists", exists);
+  add("h5attribute", attribute);
+  add("h5attributetext", attribute_text);
+  add("h5setattribute", set_attribute);
+  add("h5setattribute", set_attribute_text);
+  add("allfinite", finite_number);
+  add("allfinite", finite_vector);
+  add("allfinite", finite_matrix);
+}
+
+}  // namespace
+
+LOADFUNC(add_functions)
