@@ -1,0 +1,234 @@
+#include "workflow/coupling.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "base/unit.hpp"
+
+namespace sandglass::workflow {
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The participants as written, and those of them that take part.
+struct Order {
+  std::vector<std::string> declared;  ///< all participants of the workflow
+  std::vector<std::string> written;   ///< under `order`
+  std::vector<std::string> running;   ///< of `order`, those that apply
+};
+
+Order read_order(const Context& context, const Section& section, const Workflow& workflow) {
+  Order order{names_of(declared_in(context, "participants")), section.texts("order"), {}};
+  const Node* list = section.find("order");
+  std::set<std::string> seen;
+  for (size_t i = 0; list && list->kind == Node::Kind::list && i < list->items.size(); ++i) {
+    const Node& item = list->items[i];
+    if (item.kind != Node::Kind::scalar || !is_name(item.text)) continue;
+    if (!contains(order.declared, item.text)) {
+      context.problems.unknown(context.scope.at(item), "there is no participant", item.text,
+                               order.declared);
+    } else if (!seen.insert(item.text).second) {
+      context.problems.add(context.scope.at(item),
+                           fmt::format("'{}' is twice in the order", item.text),
+                           "a participant runs once in a window");
+    }
+  }
+  for (const Participant& participant : workflow.participants) {
+    if (list && !contains(order.written, participant.name)) {
+      context.problems.add(participant.place,
+                           fmt::format("participant '{}' is not in the order", participant.name),
+                           "add it to 'order' of 'coupling', or remove it");
+    }
+  }
+  for (const std::string& name : order.written) {
+    const bool runs = std::any_of(workflow.participants.begin(), workflow.participants.end(),
+                                  [&](const Participant& each) { return each.name == name; });
+    if (runs && !contains(order.running, name)) order.running.push_back(name);
+  }
+  return order;
+}
+
+/// The fewest whole windows that reach the end. An end within rounding of a whole number of windows
+/// counts as that number.
+void read_windows(const Context& context, const Section& section, Coupling& coupling) {
+  constexpr double most = 1e9;
+  coupling.window = section.number("window", 0);
+  coupling.end = section.number("end", 0);
+  if (coupling.window <= 0 || coupling.end <= 0) return;  // missing or wrong: reported already
+  const double ratio = coupling.end / coupling.window;
+  const double nearest_whole = std::round(ratio);
+  const bool whole = nearest_whole >= 1 && std::abs(ratio - nearest_whole) <= 1e-9 * ratio;
+  const double windows = whole ? nearest_whole : std::ceil(ratio);
+  if (!(windows <= most)) {
+    context.problems.add(section.place("window"),
+                         fmt::format("{} windows of {} s to reach {} s", shortest(windows),
+                                     shortest(coupling.window), shortest(coupling.end)),
+                         "at most 1e9: make the window longer or end earlier");
+    return;
+  }
+  coupling.windows = static_cast<std::int64_t>(windows);
+  if (!whole) coupling.end = windows * coupling.window;
+}
+
+Transform transform_of(const std::string& name) {
+  static const std::map<std::string, Transform> transforms = {
+      {"mean", Transform::mean},   {"median", Transform::median}, {"min", Transform::minimum},
+      {"max", Transform::maximum}, {"sum", Transform::sum},       {"linear", Transform::linear}};
+  const auto found = transforms.find(name);
+  return found == transforms.end() ? Transform::identity : found->second;
+}
+
+/// Which fields are recorded.
+struct Recorded {
+  bool all = true;
+  std::set<std::string> names;
+};
+
+Recorded read_record(const Context& context, const std::vector<std::string>& fields) {
+  Recorded recorded;
+  const Node* record = context.root.find("record");
+  const Node* selection =
+      record && record->kind == Node::Kind::map ? record->find("fields") : nullptr;
+  if (!selection || selection->kind == Node::Kind::broken) return recorded;
+  if (selection->kind == Node::Kind::scalar) {
+    recorded.all = selection->text != "none";
+    return recorded;
+  }
+  recorded.all = false;
+  for (const Node& item : selection->items) {
+    if (item.kind != Node::Kind::scalar || !is_name(item.text)) continue;
+    if (!contains(fields, item.text)) {
+      context.problems.unknown(context.scope.at(item), "there is no field", item.text, fields);
+    }
+    recorded.names.insert(item.text);
+  }
+  return recorded;
+}
+
+/// A field's sender or receiver: declared, and in the order.
+void check_end(const Context& context, const Section& section, const char* key,
+               const Declared& field, const Order& order) {
+  const std::string name = section.text(key);
+  if (name.empty()) return;
+  const std::string role = std::string(key) == "from" ? "sender" : "receiver";
+  if (!contains(order.declared, name)) {
+    context.problems.unknown(
+        section.place(key),
+        fmt::format("field '{}' is unreachable: its {} is no participant:", field.name, role), name,
+        order.declared);
+  } else if (!order.written.empty() && !contains(order.written, name)) {
+    context.problems.add(section.place(key),
+                         fmt::format("field '{}' is unreachable: its {} '{}' is not in the order",
+                                     field.name, role, name),
+                         "add it to 'order' of 'coupling'");
+  }
+}
+
+void read_transform(const Context& context, const Section& section, const Declared& declared,
+                    Field& field) {
+  field.transform = transform_of(section.text("transform"));
+  field.samples = section.count("samples", 0);
+  const bool linear = field.transform == Transform::linear;
+  if (linear && !section.find("samples")) {
+    context.problems.add(section.place("transform"),
+                         fmt::format("the transform of '{}' needs 'samples'", declared.name),
+                         "add the number of rows that arrive, such as samples: 10");
+  }
+  if (!linear && section.find("samples")) {
+    context.problems.add(section.place("samples"), "'samples' belongs to the transform linear",
+                         "remove it, or add transform: linear");
+  }
+  field.received_shape = exchange::transformed_shape(field.transform, field.shape, field.samples);
+}
+
+Field read_field(const Context& context, const Declared& declared, const Order& order,
+                 const Recorded& recorded) {
+  const Section section(*declared.node, object("field"), context.scope);
+  Field field;
+  field.name = declared.name;
+  field.place = declared.place;
+  field.unit = section.text("unit", "1");
+  field.from = section.text("from");
+  field.to = section.text("to");
+  field.recorded = recorded.all || recorded.names.contains(field.name);
+  check_end(context, section, "from", declared, order);
+  check_end(context, section, "to", declared, order);
+  if (!field.from.empty() && field.from == field.to) {
+    context.problems.add(section.place("to"),
+                         fmt::format("field '{}' goes from '{}' to itself", field.name, field.to),
+                         "remove 'to' to record it only");
+  }
+  if (const Node* shape = section.find("shape")) {
+    if (const auto lengths = context.scope.silent().shape(*shape)) {
+      field.shape = lengths->lengths;
+      field.variable = lengths->variable;
+    }
+  }
+  read_transform(context, section, declared, field);
+  if (const Node* initial = section.find("initial")) {
+    if (const auto value = context.scope.silent().measured(*initial)) {
+      field.initial = value->si;
+      if (!value->bare && Unit::valid(field.unit) && !Unit::convertible(value->unit, field.unit)) {
+        context.problems.add(context.scope.at(*initial),
+                             fmt::format("unit '{}' does not fit {}", value->unit, field.unit),
+                             fmt::format("'{}' is in {}", field.name, field.unit));
+      }
+    }
+  }
+  return field;
+}
+
+void read_fields(const Context& context, const Section& section, const Order& order,
+                 Coupling& coupling) {
+  const Node* map = section.find("fields");
+  if (!map || map->kind != Node::Kind::map) return;
+  std::vector<std::string> names;
+  for (const Node::Key& key : map->keys) names.push_back(key.text);
+  const Recorded recorded = read_record(context, names);
+  const auto& keep = context.options.keep;
+  for (size_t i = 0; i < map->keys.size(); ++i) {
+    if (map->items[i].kind != Node::Kind::map) continue;
+    const Declared declared{names[i], context.scope.at(map->keys[i]), &map->items[i]};
+    Field field = read_field(context, declared, order, recorded);
+    if (!applies(*declared.node, context.scope) || !contains(order.running, field.from)) continue;
+    if (!contains(order.running, field.to)) field.to.clear();
+    const bool put_back = context.options.keep_all || contains(keep, field.name);
+    if (field.to.empty() && !field.recorded && !put_back) {
+      coupling.fields_left_out.push_back(field.name);
+    } else {
+      coupling.fields.push_back(std::move(field));
+    }
+  }
+}
+
+}  // namespace
+
+void read_coupling(const Context& context, Workflow& workflow) {
+  const Node* node = context.root.find("coupling");
+  if (!node || node->kind != Node::Kind::map) return;
+  const Section section(*node, object("coupling"), context.scope);
+  Coupling coupling;
+  coupling.place = context.scope.at(*node);
+  coupling.scheme = section.text("scheme") == "parallel-explicit" ? Scheme::parallel_explicit
+                                                                  : Scheme::serial_explicit;
+  coupling.transport = section.text("exchange") == "file" ? Transport::file : Transport::mapped;
+  read_windows(context, section, coupling);
+  const Order order = read_order(context, section, workflow);
+  if (section.find("order") && order.written.empty()) {
+    context.problems.add(section.place("order"), "the order is empty", "name the participants");
+  } else if (!order.written.empty() && order.running.empty() && !workflow.participants.empty()) {
+    context.problems.add(section.place("order"), "no participant of the order takes part",
+                         "check their 'when'");
+  }
+  coupling.order = order.running;
+  read_fields(context, section, order, coupling);
+  workflow.coupling = std::move(coupling);
+}
+
+}  // namespace sandglass::workflow

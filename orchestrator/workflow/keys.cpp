@@ -1,0 +1,542 @@
+#include "workflow/keys.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sandglass::workflow {
+namespace {
+
+Object workflow_keys() {
+  return {
+      "workflow",
+      "The file itself. Everything in it is data; scripts are made from it by templates.",
+      {{.name = "sandglass",
+        .kind = Kind::version,
+        .required = true,
+        .doc = "The version of this format.",
+        .example = "1"},
+       {.name = "name",
+        .kind = Kind::name,
+        .required = true,
+        .doc = "A word for directories and reports.",
+        .example = "icy_stokes_sphere"},
+       {.name = "title", .doc = "The report's headline.", .example = "A sphere settles in water"},
+       {.name = "description",
+        .doc = "What the scene is and what is known about it, in some sentences.",
+        .example = "Pirnia et al. (2019), section 3 ..."},
+       {.name = "parameters",
+        .kind = Kind::object,
+        .many = Many::map,
+        .object = "parameter",
+        .doc = "What can be set, by name; '--set name=value' changes one for a run.",
+        .example = "{diameter: {value: 0.1 mm}}"},
+       {.name = "stages",
+        .kind = Kind::object,
+        .many = Many::map,
+        .required = true,
+        .object = "stage",
+        .doc = "What is run, by name, in an order that 'after' and files decide.",
+        .example = "{couple: {run: coupling}}"},
+       {.name = "participants",
+        .kind = Kind::object,
+        .many = Many::map,
+        .object = "participant",
+        .doc = "The solvers that are coupled, by name.",
+        .example = "{grains: {solver: yade, template: yade/settling_sphere.py}}"},
+       {.name = "coupling",
+        .kind = Kind::object,
+        .object = "coupling",
+        .doc = "How the participants exchange fields.",
+        .example = "{scheme: serial-explicit, window: 1 ms, ...}"},
+       {.name = "record",
+        .kind = Kind::object,
+        .object = "record",
+        .doc = "What is kept of every window.",
+        .example = "{fields: all}"},
+       {.name = "compare",
+        .kind = Kind::object,
+        .many = Many::list,
+        .object = "comparison",
+        .doc = "What the results are held against; each comparison has a tolerance.",
+        .example = "[{name: printed velocity, ...}]"},
+       {.name = "left_out",
+        .kind = Kind::object,
+        .many = Many::map,
+        .object = "left_out",
+        .doc = "What this scene does not need, by name; '--no-prune' puts it back.",
+        .example = "{repeated_solve: {of: fluid, ...}}"}}};
+}
+
+Object parameter_keys() {
+  return {
+      "parameter",
+      "A value that can be set. In every number here a bare number is SI, as in '--set'; a number "
+      "with a unit is converted.",
+      {{.name = "value",
+        .kind = Kind::literal,
+        .required = true,
+        .doc = "The value when nothing else is set.",
+        .example = "0.1 mm"},
+       {.name = "unit",
+        .kind = Kind::unit,
+        .fallback = "the unit that `value` is written in",
+        .doc = "The unit it is reported in; every value must be convertible to it.",
+        .example = "mm"},
+       {.name = "type",
+        .kind = Kind::choice,
+        .names = {"number", "count", "switch", "choice", "text"},
+        .fallback = "choice with `choices`; number for any number, whole ones too; switch for true "
+                    "and false; else text",
+        .doc = "What kind of value it is; only a count has to be asked for.",
+        .example = "count"},
+       {.name = "choices",
+        .many = Many::list,
+        .doc = "The names to choose from.",
+        .example = "[resident, fresh]"},
+       {.name = "minimum",
+        .kind = Kind::number,
+        .unit = "*",
+        .doc = "The smallest value.",
+        .example = "0"},
+       {.name = "maximum",
+        .kind = Kind::number,
+        .unit = "*",
+        .doc = "The largest value.",
+        .example = "1"},
+       {.name = "above",
+        .kind = Kind::number,
+        .unit = "*",
+        .doc = "Values must be larger than this.",
+        .example = "0 mm"},
+       {.name = "below",
+        .kind = Kind::number,
+        .unit = "*",
+        .doc = "Values must be smaller than this.",
+        .example = "90 deg"},
+       {.name = "meaning",
+        .doc = "What it is, in one sentence.",
+        .example = "diameter of the sphere"},
+       {.name = "source",
+        .doc = "Where the value comes from.",
+        .example = "Pirnia et al. (2019), section 3.2"}}};
+}
+
+Key template_key(std::string doc) {
+  return {.name = "template",
+          .kind = Kind::template_,
+          .doc = std::move(doc),
+          .example = "yade/settling_sphere.py"};
+}
+
+Key command_key() {
+  return {.name = "command",
+          .many = Many::list,
+          .reference = true,
+          .doc = "The argument vector of any other program, the program first; there is no shell.",
+          .example = "[python3, solver.py]"};
+}
+
+Key given_key() {
+  return {.name = "given",
+          .kind = Kind::given,
+          .doc =
+              "What the template is given: a list of parameters, or names with values: "
+              "`$parameter`, a literal, {file: STAGE/FILE} made by another stage, or "
+              "{data: FILE} below data/.",
+          .example = "[diameter, {mesh: {file: convert/box.mesh}}]"};
+}
+
+Key deadline_key(std::string fallback, std::string doc) {
+  return {.name = "deadline",
+          .kind = Kind::number,
+          .reference = true,
+          .unit = "s",
+          .above = 0,
+          .fallback = std::move(fallback),
+          .doc = std::move(doc),
+          .example = "10 min"};
+}
+
+Key when_key() {
+  return {
+      .name = "when",
+      .kind = Kind::condition,
+      .doc = "Applies only when every parameter named has the value, or one of the values, given.",
+      .example = "{fluid: [box, navier_stokes]}"};
+}
+
+Key choose_key() {
+  return {.name = "choose",
+          .kind = Kind::name,
+          .doc = "The choice parameter that selects one of `cases`.",
+          .example = "fluid"};
+}
+
+Key cases_key(std::string of) {
+  return {.name = "cases",
+          .kind = Kind::object,
+          .many = Many::map,
+          .object = std::move(of),
+          .partial = true,
+          .doc =
+              "For every choice (or `otherwise`) the keys that replace or join those beside "
+              "`choose`; `given` is joined name by name. All cases are checked, one is used.",
+          .example = "{box: {template: freefem/stokes_box.edp}, otherwise: {...}}"};
+}
+
+Object stage_keys() {
+  return {"stage",
+          "A program that is run once, or the coupled run itself.",
+          {{.name = "run",
+            .kind = Kind::choice,
+            .required = true,
+            .names = {"gmsh", "python", "freefem", "yade", "command", "coupling"},
+            .doc = "What runs.",
+            .example = "gmsh"},
+           template_key("The script, except for command and coupling."),
+           command_key(),
+           given_key(),
+           {.name = "makes",
+            .many = Many::list,
+            .doc = "The files it must have made, relative to its work directory.",
+            .example = "[box.msh]"},
+           {.name = "after",
+            .kind = Kind::name,
+            .many = Many::list,
+            .doc = "Stages that come first; those whose files are used, and the coupling before an "
+                   "analysis, need not be named.",
+            .example = "[mesh]"},
+           {.name = "analysis",
+            .kind = Kind::toggle,
+            .fallback = "false",
+            .doc = "A python stage that reads the record and writes quantities and curves.",
+            .example = "true"},
+           deadline_key("10 min (the coupling has none)", "The longest time it may take."),
+           when_key(),
+           choose_key(),
+           cases_key("stage")}};
+}
+
+Object participant_keys() {
+  return {
+      "participant",
+      "A solver that takes part in the coupled run.",
+      {{.name = "solver",
+        .kind = Kind::choice,
+        .required = true,
+        .names = {"yade", "freefem", "command"},
+        .doc = "The program; `command` is any that speaks the participant protocol.",
+        .example = "yade"},
+       template_key("The script it starts with."),
+       {.name = "window_template",
+        .kind = Kind::template_,
+        .doc = "The script that YADE executes for every window; it is also given `window` with "
+               "`index`, `begin` and `end`, which there hides a given `window`.",
+        .example = "yade/settling_sphere_window.py"},
+       command_key(),
+       given_key(),
+       {.name = "process",
+        .kind = Kind::choice,
+        .reference = true,
+        .names = {"resident", "fresh"},
+        .fallback = "resident",
+        .doc = "Whether its process lives for the whole run or is started anew for every window.",
+        .example = "$process"},
+       {.name = "threads",
+        .kind = Kind::count,
+        .reference = true,
+        .minimum = 1,
+        .fallback = "1",
+        .doc = "How many threads it may use.",
+        .example = "2"},
+       deadline_key("1 min", "The longest time one answer may take."),
+       when_key(),
+       choose_key(),
+       cases_key("participant")}};
+}
+
+Object coupling_keys() {
+  return {
+      "coupling",
+      "When the participants run and what crosses between them.",
+      {{.name = "scheme",
+        .kind = Kind::choice,
+        .reference = true,
+        .names = {"serial-explicit", "parallel-explicit"},
+        .fallback = "serial-explicit",
+        .doc = "One after the other with the newest values, or all at once with the last window's.",
+        .example = "$scheme"},
+       {.name = "window",
+        .kind = Kind::number,
+        .required = true,
+        .reference = true,
+        .unit = "s",
+        .above = 0,
+        .doc = "The time between exchanges; a participant may take smaller steps inside.",
+        .example = "$window"},
+       {.name = "end",
+        .kind = Kind::number,
+        .required = true,
+        .reference = true,
+        .unit = "s",
+        .above = 0,
+        .doc = "The physical time to reach; the run ends with the first whole window that reaches "
+               "it, so at or up to one window after it.",
+        .example = "30 ms"},
+       {.name = "order",
+        .kind = Kind::name,
+        .many = Many::list,
+        .required = true,
+        .doc = "The participants, in the order in which they run within a window.",
+        .example = "[grains, fluid]"},
+       {.name = "exchange",
+        .kind = Kind::choice,
+        .reference = true,
+        .names = {"mapped", "file"},
+        .fallback = "mapped",
+        .doc = "Files mapped into memory by both sides, or a fresh file for every exchange.",
+        .example = "mapped"},
+       {.name = "fields",
+        .kind = Kind::object,
+        .many = Many::map,
+        .required = true,
+        .object = "field",
+        .doc = "The arrays that cross, by name.",
+        .example = "{velocity: {unit: m/s, shape: [3], from: grains, to: fluid}}"}}};
+}
+
+Object field_keys() {
+  return {"field",
+          "An array that one participant sends in every window.",
+          {{.name = "unit",
+            .kind = Kind::unit,
+            .required = true,
+            .doc = "Its unit in the record and in reports; values cross in SI.",
+            .example = "m/s"},
+           {.name = "shape",
+            .kind = Kind::shape,
+            .required = true,
+            .doc = "The lengths of its axes, each a number or `$count`; the first may be "
+                   "{at_most: N} where it changes from window to window.",
+            .example = "[{at_most: 25000}, 3]"},
+           {.name = "from",
+            .kind = Kind::name,
+            .required = true,
+            .doc = "The participant that sends it.",
+            .example = "grains"},
+           {.name = "to",
+            .kind = Kind::name,
+            .fallback = "nobody: it is recorded only",
+            .doc = "The participant that receives it.",
+            .example = "fluid"},
+           {.name = "transform",
+            .kind = Kind::choice,
+            .reference = true,
+            .names = {"identity", "mean", "median", "min", "max", "sum", "linear"},
+            .fallback = "identity",
+            .doc = "What happens in transit: a statistic over the first axis, which it removes, or "
+                   "linear resampling in time to `samples` rows.",
+            .example = "mean"},
+           {.name = "samples",
+            .kind = Kind::count,
+            .reference = true,
+            .minimum = 1,
+            .doc = "The rows that arrive, for the transform linear.",
+            .example = "10"},
+           {.name = "initial",
+            .kind = Kind::number,
+            .reference = true,
+            .unit = "*",
+            .fallback = "0",
+            .doc = "Every value before the sender has spoken.",
+            .example = "0 m/s"},
+           when_key()}};
+}
+
+Object record_keys() {
+  return {"record",
+          "What is kept of every window.",
+          {{.name = "fields",
+            .kind = Kind::selection,
+            .fallback = "all",
+            .doc = "The fields that are recorded. One that nobody receives or records is not sent.",
+            .example = "[velocity, drag]"}}};
+}
+
+Object comparison_keys() {
+  return {
+      "comparison",
+      "A result of the analysis against a reference, a bound, or another result.",
+      {{.name = "name",
+        .required = true,
+        .doc = "What is compared, in a few words.",
+        .example = "printed terminal velocity"},
+       {.name = "quantity",
+        .kind = Kind::name,
+        .doc = "The quantity of the analysis that is compared; either this or `curve`.",
+        .example = "terminal_velocity"},
+       {.name = "curve",
+        .kind = Kind::name,
+        .doc = "The curve of the analysis that is compared.",
+        .example = "velocity"},
+       {.name = "reference",
+        .kind = Kind::object,
+        .object = "reference",
+        .doc = "What it is compared with; not for the metric `value`.",
+        .example = "{value: 0.008989 m/s, source: section 3.4}"},
+       {.name = "metric",
+        .kind = Kind::choice,
+        .required = true,
+        .names = {"value", "absolute difference", "relative difference", "maximum difference",
+                  "root mean square difference"},
+        .doc = "The number that is held against the tolerance: the magnitude of the quantity "
+               "itself, of its difference (relative: over that of the reference), or, for curves, "
+               "of their largest or root mean square difference.",
+        .example = "relative difference"},
+       {.name = "tolerance",
+        .kind = Kind::number,
+        .required = true,
+        .reference = true,
+        .unit = "*",
+        .minimum = 0,
+        .doc =
+            "The largest value of the metric that passes; for a relative difference a bare number "
+            "or one in %.",
+        .example = "0.1 %"},
+       {.name = "unit",
+        .kind = Kind::unit,
+        .fallback = "that of the reference, else of the tolerance",
+        .doc = "The unit it is reported in.",
+        .example = "mm/s"},
+       {.name = "because",
+        .required = true,
+        .doc = "Where the tolerance comes from.",
+        .example = "the paper prints four digits"},
+       {.name = "holds_for",
+        .kind = Kind::condition,
+        .doc = "The parameters that a published reference was made with: a run that departs from "
+               "them skips the comparison and says so.",
+        .example = "{density: 2650 kg/m3}"},
+       when_key()}};
+}
+
+Object reference_keys() {
+  return {"reference",
+          "What a result is compared with: exactly one of value, quantity, curve, data.",
+          {{.name = "value",
+            .kind = Kind::number,
+            .unit = "*",
+            .doc = "A published number.",
+            .example = "0.008989 m/s"},
+           {.name = "quantity",
+            .kind = Kind::name,
+            .doc = "Another quantity of the analysis.",
+            .example = "stokes_velocity"},
+           {.name = "curve",
+            .kind = Kind::name,
+            .doc = "Another curve of the analysis.",
+            .example = "stokes_velocity"},
+           {.name = "data",
+            .doc = "A CSV file below data/ with two columns.",
+            .example = "icy/figure_2_velocity.csv"},
+           {.name = "source",
+            .doc = "Where it was published; required with `value` and `data`.",
+            .example = "Pirnia et al. (2019), section 3.4"}}};
+}
+
+Object left_out_keys() {
+  return {
+      "left_out",
+      "Something the scene does not need. The participant's templates are given a switch of this "
+      "name: true leaves it out.",
+      {{.name = "of",
+        .kind = Kind::name,
+        .required = true,
+        .doc = "The participant that is told.",
+        .example = "fluid"},
+       {.name = "what",
+        .required = true,
+        .doc = "What is not done; {windows} becomes their number.",
+        .example = "fluid solve, windows 2 to {windows}"},
+       {.name = "why",
+        .required = true,
+        .doc = "Why it is not needed.",
+        .example = "linear; geometry and viscosity do not change"},
+       when_key()}};
+}
+
+}  // namespace
+
+const Key* Object::find(const std::string& key) const {
+  const auto found =
+      std::find_if(keys.begin(), keys.end(), [&](const Key& row) { return row.name == key; });
+  return found == keys.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> Object::key_names() const {
+  std::vector<std::string> names;
+  for (const Key& key : keys) names.push_back(key.name);
+  return names;
+}
+
+const std::vector<Object>& objects() {
+  static const std::vector<Object> all = {
+      workflow_keys(), parameter_keys(), stage_keys(),      participant_keys(), coupling_keys(),
+      field_keys(),    record_keys(),    comparison_keys(), reference_keys(),   left_out_keys()};
+  return all;
+}
+
+const Object& object(const std::string& name) {
+  for (const Object& candidate : objects()) {
+    if (candidate.name == name) return candidate;
+  }
+  throw std::logic_error("no table of keys for " + name);
+}
+
+std::string description_of(const Key& key) {
+  const auto one = [&]() -> std::string {
+    switch (key.kind) {
+      case Kind::version:
+        return "1";
+      case Kind::text:
+        return "text";
+      case Kind::name:
+        return "name";
+      case Kind::choice:
+        return fmt::format("{}", fmt::join(key.names, ", "));
+      case Kind::toggle:
+        return "true or false";
+      case Kind::count:
+        return "whole number";
+      case Kind::number:
+        return key.unit == "*" ? "number with its unit" : fmt::format("number in {}", key.unit);
+      case Kind::unit:
+        return "unit";
+      case Kind::template_:
+        return "path below templates/";
+      case Kind::literal:
+        return "number, true or false, text";
+      case Kind::given:
+        return "list of parameters, or map of names to values";
+      case Kind::condition:
+        return "map of parameters to a value or a list of values";
+      case Kind::shape:
+        return "list of lengths";
+      case Kind::selection:
+        return "list of names, all, none";
+      case Kind::object:
+        return key.object;
+    }
+    return {};
+  };
+  std::string text = one();
+  if (key.many == Many::list) text = "list of " + text;
+  if (key.many == Many::map) text = "map of names to " + text;
+  if (key.reference) text += ", or $parameter";
+  return text;
+}
+
+}  // namespace sandglass::workflow

@@ -1,0 +1,192 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "exchange/transform.hpp"
+#include "render/value.hpp"
+
+/// The checked model of a workflow: what the other rooms see. Everything is resolved: parameters
+/// have their final values, references are replaced, cases are chosen, `when` is decided. Numbers
+/// are SI.
+namespace sandglass::workflow {
+
+struct Parameter {
+  enum class Type { number, count, toggle, choice, text };
+  std::string name;
+  Type type = Type::number;
+  Value value;
+  std::string unit;     ///< the unit it is declared and reported in; the value itself is SI
+  std::string meaning;  ///< one sentence
+  std::string source;   ///< where the value comes from
+  std::vector<std::string> choices;
+  bool overridden = false;  ///< set from the command line
+  Place place;
+};
+
+/// A file that another stage makes, given to a template by name; resolved to a path by the run.
+struct FileReference {
+  std::string stage;  ///< the stage that makes it; empty: a file of the project (under data/)
+  std::string file;
+};
+
+/// What a template is given under one name.
+struct Given {
+  Value value;                        ///< unused where `file` is set
+  std::optional<FileReference> file;  ///< arrives in the template as an absolute path (text)
+  Place place;
+};
+using GivenMap = std::map<std::string, Given>;
+
+enum class Program { gmsh, python, freefem, yade, command, coupling };
+
+struct Stage {
+  std::string name;
+  Program program = Program::python;
+  std::string template_path;         ///< relative to templates/; empty for coupling and command
+  std::vector<std::string> command;  ///< argument vector, for Program::command
+  GivenMap given;
+  std::vector<std::string> makes;  ///< files it must have made, relative to its work directory
+  std::vector<std::string> after;  ///< stages that must be done before, files' makers included
+  bool analysis = false;           ///< a python stage that reads the record and writes quantities
+  double deadline = 0;             ///< seconds
+  Place place;
+};
+
+enum class Solver { yade, freefem, command };
+enum class Lifetime { resident, fresh };
+
+struct Participant {
+  std::string name;
+  Solver solver = Solver::command;
+  std::string template_path;         ///< the script it starts with
+  std::string window_template_path;  ///< the script executed per window (YADE); may be empty
+  std::vector<std::string> command;  ///< argument vector, for Solver::command
+  GivenMap given;                    ///< to template and window template together
+  Lifetime lifetime = Lifetime::resident;
+  int threads = 1;
+  double deadline = 60;  ///< seconds that one answer may take
+  Place place;
+};
+
+using exchange::Transform;
+
+struct Field {
+  std::string name;
+  std::string unit;
+  std::vector<std::int64_t> shape;  ///< as sent; the first axis may be counted at run time
+  bool variable = false;            ///< the first axis of `shape` is an upper limit
+  std::string from;
+  std::string to;  ///< a participant; empty: recorded only
+  Transform transform = Transform::identity;
+  std::int64_t samples = 0;                  ///< rows after Transform::linear
+  std::vector<std::int64_t> received_shape;  ///< as the receiver sees it, after the transform
+  double initial = 0;                        ///< every value before the sender has spoken
+  bool recorded = true;
+  Place place;
+};
+
+enum class Scheme { serial_explicit, parallel_explicit };
+enum class Transport { mapped, file };
+
+struct Coupling {
+  Scheme scheme = Scheme::serial_explicit;
+  double window = 0;  ///< s
+  double end = 0;     ///< s; where the last window ends, so maybe a little after what was asked
+  std::int64_t windows = 0;  ///< the fewest whole windows that reach the end that was asked for
+  std::vector<std::string> order;
+  Transport transport = Transport::mapped;
+  std::vector<Field> fields;
+  std::vector<std::string> fields_left_out;  ///< neither received nor recorded: not sent
+  Place place;
+};
+
+/// The condition under which a published reference holds.
+struct HoldsFor {
+  std::string parameter;
+  Value value;
+  std::string text;  ///< as written, for messages ("2650 kg/m3")
+  bool met = true;
+};
+
+enum class Metric {
+  value,                ///< the quantity itself against the tolerance
+  absolute_difference,  ///< |ours - reference|
+  relative_difference,  ///< |ours - reference| / |reference|
+  maximum_difference,   ///< curves: max over the common abscissa of |ours - reference|
+  root_mean_square      ///< curves: root mean square of the difference
+};
+
+struct Comparison {
+  std::string name;
+  std::string quantity;  ///< one of quantity and curve is set
+  std::string curve;
+  std::optional<double> reference_value;  ///< SI
+  std::string reference_quantity;         ///< an analytic reference computed by the analysis
+  std::string reference_curve;            ///< a curve of the analysis, or
+  std::string reference_file;             ///< a CSV under data/
+  std::string unit;
+  std::string source;  ///< where the reference was published
+  Metric metric = Metric::value;
+  double tolerance = 0;  ///< SI, or a ratio for relative metrics
+  std::string because;   ///< where the tolerance comes from
+  std::vector<HoldsFor> holds_for;
+  Place place;
+};
+
+/// Something that this scene does not need and that is left out, or put back by --no-prune.
+struct LeftOut {
+  std::string name;
+  std::string of;  ///< participant that is told, as a switch of the same name in its template
+  std::string what;
+  std::string why;
+  bool active = true;  ///< false: put back
+  Place place;
+};
+
+struct Workflow {
+  std::string path;  ///< as given on the command line
+  std::string name;
+  std::string title;
+  std::string description;
+  std::vector<Parameter> parameters;  ///< in file order
+  std::vector<Stage> stages;          ///< in an order in which they can run; those that apply
+  std::vector<std::string> stages_left_out;
+  std::vector<Participant> participants;
+  std::optional<Coupling> coupling;
+  std::vector<Comparison> comparisons;
+  std::vector<LeftOut> left_out;
+
+  [[nodiscard]] const Parameter* parameter(const std::string& name) const;
+};
+
+/// The value in its declared unit, as people write it: "0.1 mm", "true", "resident".
+std::string shown(const Parameter& parameter);
+
+/// One `--set name=value`.
+struct Setting {
+  std::string name;
+  std::string text;
+};
+
+struct LoadOptions {
+  std::vector<Setting> settings;
+  std::string templates_root;  ///< the templates/ folder
+  std::string data_root;       ///< the data/ folder
+  bool keep_all = false;       ///< --no-prune: nothing is left out
+  std::vector<std::string> keep;
+};
+
+/// Reads and checks a workflow, templates included (every name used is given, every name given is
+/// used, for every case that could be chosen). Throws Error::refused with all problems of one pass,
+/// Error::usage for a setting whose name no parameter has, Error::environment when the file cannot
+/// be read.
+Workflow load(const std::string& path, const LoadOptions& options);
+/// The same from memory; `path` is for messages.
+Workflow load_text(const std::string& text, const std::string& path, const LoadOptions& options);
+
+}  // namespace sandglass::workflow
