@@ -4,12 +4,16 @@
 #include <udunits2.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <stdexcept>
+#include <string_view>
 
 namespace sandglass {
 namespace {
@@ -40,10 +44,47 @@ ut_system* unit_system() {
   return system.get();
 }
 
+bool is_foreign(char c) { return (c & 0x80) != 0; }
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || is_foreign(c); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// False for text in which udunits would find numbers that nobody meant: "1.5.3" would be 0.45 and
+/// "m^0.5" five; "3 m", "K @ 5", "s since 2000" carry values of their own. Digits are exponents
+/// only, except for the 1 of "1/s".
+bool plausible_unit(const std::string& text) {
+  if (text.size() > 200) return false;
+  // udunits takes other bytes than ASCII for letters of names, whatever they are.
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (!is_foreign(text[i])) continue;
+    constexpr std::string_view signs[] = {"°", "µ", "μ", "·", "²", "³", "Å", "Ω"};
+    const auto* sign = std::find_if(std::begin(signs), std::end(signs), [&](std::string_view each) {
+      return std::string_view(text).substr(i).starts_with(each);
+    });
+    if (sign == std::end(signs)) return false;
+    i += sign->size() - 1;
+  }
+  const auto at = [&](size_t i) { return i < text.size() ? text[i] : '\0'; };
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (!is_letter(c) && !is_digit(c) &&
+        std::string_view(" /*.^-+()%").find(c) == std::string_view::npos)
+      return false;
+    const bool starts_number = is_digit(c) && (i == 0 || !is_digit(text[i - 1]));
+    if (!starts_number) continue;
+    if (c == '1' && !is_digit(at(i + 1)) && (i == 0 || text[i - 1] == '(') &&
+        (i + 1 == text.size() || at(i + 1) == '/' || at(i + 1) == ')')) {
+      continue;
+    }
+    const size_t base = i > 0 && (text[i - 1] == '-' || text[i - 1] == '+') ? i - 1 : i;
+    if (base == 0 || (!is_letter(text[base - 1]) && text[base - 1] != '^' && text[base - 1] != '*'))
+      return false;
+    if (text[base - 1] == '*' && (base < 2 || text[base - 2] != '*')) return false;
+  }
+  return true;
+}
+
 UnitPointer parse_unit(const std::string& text) {
-  // Texts with digits first would be taken as a scale factor ("2 m"), and a very long one is no
-  // unit.
-  if (text.size() > 200) return nullptr;
+  if (!plausible_unit(text)) return nullptr;
   return UnitPointer(ut_parse(unit_system(), text.empty() ? "1" : text.c_str(), UT_UTF8));
 }
 
@@ -69,8 +110,10 @@ constexpr Common common_units[] = {{"", 1, ""},
                                    {"m", 1, "m"},
                                    {"cm", 0.01, "m"},
                                    {"mm", 0.001, "m"},
+                                   {"um", 1e-6, "m"},
                                    {"s", 1, "s"},
                                    {"ms", 0.001, "s"},
+                                   {"us", 1e-6, "s"},
                                    {"min", 60, "s"},
                                    {"m2", 1, "m2"},
                                    {"m3", 1, "m3"},
@@ -81,6 +124,8 @@ constexpr Common common_units[] = {{"", 1, ""},
                                    {"kg", 1, "kg"},
                                    {"g", 0.001, "kg"},
                                    {"kg/m3", 1, "m-3.kg"},
+                                   {"kg/m^3", 1, "m-3.kg"},
+                                   {"m/s^2", 1, "m.s-2"},
                                    {"N", 1, "m.kg.s-2"},
                                    {"N/m", 1, "kg.s-2"},
                                    {"Pa", 1, "m-1.kg.s-2"},
@@ -89,7 +134,9 @@ constexpr Common common_units[] = {{"", 1, ""},
                                    {"GPa", 1e9, "m-1.kg.s-2"},
                                    {"Pa s", 1, "m-1.kg.s-1"},
                                    {"J", 1, "m2.kg.s-2"},
-                                   {"rad", 1, ""}};
+                                   {"K", 1, "K"},
+                                   {"rad", 1, ""},
+                                   {"deg", std::numbers::pi / 180, ""}};
 
 /// A definition reads like "0.001 m", "K @ 273.15" or "0.0174532925199433 rad": its base units.
 std::string base_units(const ut_unit* unit) {
@@ -181,7 +228,7 @@ double Unit::from_si(double number, const std::string& text) {
 bool Quantity::parse(const std::string& text, Quantity& out) {
   const char* begin = text.data();
   const char* end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;
+  if (begin != end && *begin == '+' && ++begin != end && *begin == '-') return false;
   double number = 0;
   const auto [rest, error] = std::from_chars(begin, end, number);
   if (error != std::errc() || !std::isfinite(number)) return false;
@@ -190,6 +237,9 @@ bool Quantity::parse(const std::string& text, Quantity& out) {
   unit = first == std::string::npos ? "" : unit.substr(first);
   if (const size_t last = unit.find_last_not_of(" \t"); last != std::string::npos)
     unit.erase(last + 1);
+  // "1e", "1e5e3": an exponent gone wrong, not the charge of an electron.
+  if (unit.find_first_not_of("eE+-0123456789") == unit.npos && unit != "1" && !unit.empty())
+    return false;
   if (!unit.empty() && !Unit::valid(unit)) return false;
   out = {number, unit};
   return true;

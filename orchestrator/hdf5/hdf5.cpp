@@ -37,7 +37,9 @@ std::string remedy_in(const std::string& reasons) {
   std::string reasons;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect, &reasons);
   H5Eclear2(H5E_DEFAULT);
-  throw Error::environment(fmt::format("cannot {} in HDF5 file '{}': {}", doing, path, reasons),
+  // Some of HDF5's texts bring their own line end.
+  std::replace(reasons.begin(), reasons.end(), '\n', ' ');
+  throw Error::environment(fmt::format("HDF5 file '{}': cannot {}: {}", path, doing, reasons),
                            remedy_in(reasons));
 }
 
@@ -149,7 +151,7 @@ std::int64_t count_of(const Shape& shape) {
 
 File::File(std::string path, Mode mode) : path_(std::move(path)) {
   quiet();
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare the opening", path_);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare opening it", path_);
 #if H5_VERSION_GE(1, 10, 7)
   H5Pset_file_locking(access, false, true);
 #endif
@@ -160,7 +162,7 @@ File::File(std::string path, Mode mode) : path_(std::move(path)) {
   } else {
     handle_ = H5Fopen(path_.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
   }
-  if (handle_ < 0) fail(mode == Mode::create ? "create the file" : "open the file", path_);
+  if (handle_ < 0) fail(mode == Mode::create ? "create it" : "open it", path_);
 }
 
 File::~File() {
@@ -170,7 +172,7 @@ File::~File() {
 void File::close() {
   if (handle_ < 0) return;
   const hid_t handle = std::exchange(handle_, -1);
-  require(H5Fclose(handle), "close the file", path_);
+  require(H5Fclose(handle), "close it", path_);
 }
 
 Location File::reserve(const std::string& name, Type type, const Shape& shape) {

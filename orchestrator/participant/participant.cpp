@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <sstream>
@@ -18,6 +19,12 @@ constexpr const char* kProtocol = "1";
 constexpr int kLooks = 100;
 constexpr size_t kLongestLine = 65536;
 constexpr size_t kMostNotes = 1000;
+
+/// One that has done its service; nothing depends on its being gone.
+void remove_file(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+}
 
 }  // namespace
 
@@ -83,7 +90,13 @@ void Participant::begin(const exchange::Window& window) {
   if (description_.fresh) {
     if (!child_) start();
     wait_until_ready();
-    if (window.index > 1 && !abilities_.contains("stateless")) load(state_path(window.index - 1));
+    const bool stateless = abilities_.contains("stateless");
+    if (!stateless && !abilities_.contains("disk")) {
+      throw failure(
+          "is to be fresh in every window but can neither write its state nor is stateless",
+          "use 'process: resident'");
+    }
+    if (window.index > 1 && !stateless) load(state_path(window.index - 1));
   }
   if (description_.mapped) {
     say("advance");
@@ -91,9 +104,10 @@ void Participant::begin(const exchange::Window& window) {
   }
   const std::string stem = fmt::format("{}/window-{:06}-{:03}", description_.work_directory,
                                        window.index, window.iteration);
-  slot_.write_fresh(stem + ".in.h5");
+  input_file_ = stem + ".in.h5";
   output_file_ = stem + ".out.h5";
-  say(fmt::format("advance {} {}", stem + ".in.h5", output_file_));
+  slot_.write_fresh(input_file_);
+  say(fmt::format("advance {} {}", input_file_, output_file_));
 }
 
 void Participant::finish() {
@@ -105,22 +119,14 @@ void Participant::finish() {
     } catch (const Error& error) {
       throw failure(fmt::format("left no readable file of its fields: {}", error.what()));
     }
+    remove_file(input_file_);
+    remove_file(output_file_);
   }
   window_seconds_ = slot_.seconds();
   if (description_.fresh) {
-    if (!abilities_.contains("stateless")) {
-      if (!abilities_.contains("disk")) {
-        throw failure(
-            "is to be fresh in every window but can neither write its state nor is stateless",
-            "use 'process: resident'");
-      }
-      checkpoint(state_path(index));
-    }
+    if (!abilities_.contains("stateless")) checkpoint(state_path(index));
     stop();
-    if (index > 1) {
-      std::error_code ignored;
-      std::filesystem::remove(state_path(index - 1), ignored);
-    }
+    if (index > 1) remove_file(state_path(index - 1));
   }
 }
 
@@ -178,35 +184,65 @@ std::string Participant::state_path(std::int64_t window) const {
 }
 
 void Participant::say(const std::string& line) {
+  // One answer too many would be taken for the answer to this.
+  child_->read_replies(unread_);
+  if (const auto unasked = next_answer()) {
+    throw failure(
+        fmt::format("said '{}' without being asked, after its answer to '{}'", *unasked, asked_),
+        "see the participant protocol in templates/README.md");
+  }
   asked_ = line;
   // A participant that has gone is found, with its exit status, while waiting for the answer.
   static_cast<void>(child_->write_command(line + "\n"));
 }
 
+std::optional<std::string> Participant::next_answer() {
+  size_t begin = 0;
+  std::optional<std::string> answer;
+  for (size_t end = 0; !answer && (end = unread_.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
+    std::string line = unread_.substr(begin, end - begin);
+    if (line.rfind("note ", 0) == 0) {
+      if (notes_.size() < kMostNotes) notes_.push_back(line.substr(5));
+    } else if (line.rfind("saved ", 0) == 0) {
+      keep_saving(line.substr(6));
+    } else {
+      answer = std::move(line);
+    }
+  }
+  unread_.erase(0, begin);
+  return answer;
+}
+
+void Participant::keep_saving(const std::string& text) {
+  std::istringstream words(text);
+  Saving saving;
+  words >> saving.name >> saving.seconds;
+  const auto known = std::find_if(savings_.begin(), savings_.end(),
+                                  [&](const Saving& one) { return one.name == saving.name; });
+  if (known != savings_.end()) {
+    *known = saving;
+  } else if (savings_.size() < kMostNotes) {
+    savings_.push_back(saving);
+  }
+}
+
 std::string Participant::hear() {
+  const SystemClock clock;
+  const double end = clock.now() + description_.deadline;
   bool open = true;
   for (int looks = 0;;) {
-    for (size_t end = unread_.find('\n'); end != std::string::npos; end = unread_.find('\n')) {
-      std::string line = unread_.substr(0, end);
-      unread_.erase(0, end + 1);
-      if (line.rfind("note ", 0) == 0) {
-        if (notes_.size() < kMostNotes) notes_.push_back(line.substr(5));
-      } else if (line.rfind("saved ", 0) == 0) {
-        std::istringstream words(line.substr(6));
-        Saving saving;
-        words >> saving.name >> saving.seconds;
-        savings_.push_back(saving);
-      } else {
-        return line;
-      }
-    }
+    if (auto answer = next_answer()) return *std::move(answer);
     if (unread_.size() > kLongestLine) throw failure("sent a line without end");
     if (open && looks++ < kLooks) {
       open = child_->read_replies(unread_);
       continue;
     }
-    const Watch::Outcome outcome =
-        watch_.wait(open ? child_->reply_descriptor() : -1, description_.deadline);
+    // However much it talks: the deadline is for the answer.
+    const double left = end - clock.now();
+    const Watch::Outcome outcome = left > 0
+                                       ? watch_.wait(open ? child_->reply_descriptor() : -1, left)
+                                       : Watch::Outcome{Watch::Event::late, nullptr};
     looks = kLooks - 1;
     if (outcome.event == Watch::Event::ready) continue;
     if (outcome.event == Watch::Event::late) {

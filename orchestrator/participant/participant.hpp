@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ struct Description {
   double deadline = 60;  ///< seconds that one answer may take
 };
 
-/// What leaving something out has saved, as the participant measured it.
+/// What leaving something out has saved in this run so far, as the participant measured it.
 struct Saving {
   std::string name;
   double seconds = 0;
@@ -73,12 +74,16 @@ class Participant {
   [[nodiscard]] double seconds() const { return window_seconds_; }
   [[nodiscard]] double peak_memory_bytes() const { return peak_memory_bytes_; }
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /// The newest of every name.
   [[nodiscard]] const std::vector<Saving>& savings() const { return savings_; }
 
  private:
   void say(const std::string& line);
-  /// The next line that is an answer; lines in between are kept as notes and savings.
+  /// Waits for the next line that is an answer.
   std::string hear();
+  /// The next answer among the lines that have come; those ahead of it are notes and savings.
+  std::optional<std::string> next_answer();
+  void keep_saving(const std::string& text);
   void hear_ok(const std::string& asked);
   void end_process();
   [[nodiscard]] std::string state_path(std::int64_t window) const;
@@ -89,7 +94,8 @@ class Participant {
   exchange::Slot slot_;
   std::unique_ptr<Child> child_;
   std::string unread_;
-  std::string asked_;  ///< the command being answered, for messages
+  std::string asked_;       ///< the command being answered, for messages
+  std::string input_file_;  ///< of this window, where fields cross as fresh files
   std::string output_file_;
   std::set<std::string> abilities_;
   std::vector<std::string> notes_;

@@ -69,8 +69,8 @@ nlohmann::json describe_machine() {
 }
 
 nlohmann::json describe_environment() {
-  constexpr std::array<std::string_view, 7> telling = {"OMP_",  "FF_", "PYTHON",          "LANG",
-                                                       "LC_", "SANDGLASS_", "LD_LIBRARY_PATH"};
+  constexpr std::array<std::string_view, 7> telling = {
+      "OMP_", "FF_", "PYTHON", "LANG", "LC_", "SANDGLASS_", "LD_LIBRARY_PATH"};
   nlohmann::json result = nlohmann::json::object();
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text(*entry);

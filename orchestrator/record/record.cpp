@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 #include "base/error.hpp"
@@ -104,7 +105,14 @@ void Record::close() {
   const bool flushed = ::fsync(descriptor) == 0;
   const int number = errno;
   if (::close(descriptor) != 0 || !flushed) throw_system_error("flush the record", path_, number);
-  if (appended_ < planned_) cut();
+  if (appended_ == planned_) return;
+  try {
+    cut();
+  } catch (const Error&) {
+    // A full disk most likely, and why the run ended. The long file is as whole: /windows counts.
+    std::error_code ignored;
+    std::filesystem::remove(path_ + ".part", ignored);
+  }
 }
 
 void Record::cut() {

@@ -49,7 +49,7 @@ class Record {
   void append(const Row& row);
   [[nodiscard]] std::int64_t windows() const { return appended_; }
   /// Flushes to the disk. A run that ended before its last planned window gets its datasets cut to
-  /// what was done.
+  /// what was done, where the disk has room for that.
   void close();
 
  private:

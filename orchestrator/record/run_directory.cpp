@@ -17,22 +17,35 @@ namespace sandglass::record {
 namespace {
 
 constexpr const char* kLockFile = "/lock";
+constexpr int kHighestNumber = 1'000'000'000;
 
 /// The number of "NAME-0007", or 0.
 int number_of(const std::string& folder, const std::string& name) {
-  if (folder.size() <= name.size() + 1 || folder.compare(0, name.size() + 1, name + "-") != 0) return 0;
+  if (folder.size() <= name.size() + 1 || folder.compare(0, name.size() + 1, name + "-") != 0)
+    return 0;
   int number = 0;
   const char* end = folder.data() + folder.size();
   const auto [rest, error] = std::from_chars(folder.data() + name.size() + 1, end, number);
-  return error == std::errc() && rest == end ? number : 0;
+  const bool counts = error == std::errc() && rest == end && number < kHighestNumber;
+  return counts ? number : 0;
+}
+
+/// Calls `use` with the name of everything in the folder.
+template <typename Use>
+void each_entry(const std::string& folder, Use use) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    use(entry->path().filename().string());
+  }
+  if (error) throw_system_error("read the folder", folder, error.value());
 }
 
 std::string next_numbered(const std::string& runs, const std::string& name) {
   make_directories(runs);
   int highest = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(runs)) {
-    highest = std::max(highest, number_of(entry.path().filename().string(), name));
-  }
+  each_entry(
+      runs, [&](const std::string& entry) { highest = std::max(highest, number_of(entry, name)); });
   // Another process may take the same number at the same moment: making the folder decides.
   for (int number = highest + 1;; ++number) {
     const std::string path = fmt::format("{}/{}-{:04}", runs, name, number);
@@ -60,24 +73,29 @@ void RunDirectory::lock() {
   const std::string path = path_ + kLockFile;
   lock_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) throw_system_error("lock the run directory", path, errno);
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    throw Error::environment(
-        fmt::format("the run directory '{}' is in use by another process", path_),
-        "wait for it ('sandglass status' shows it) or choose another with --out");
-  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+  if (errno != EWOULDBLOCK) throw_system_error("lock the run directory", path, errno);
+  throw Error::environment(
+      fmt::format("the run directory '{}' is in use by another process", path_),
+      "wait for it ('sandglass status' shows it) or choose another with --out");
 }
 
 RunDirectory RunDirectory::create(const std::string& path, const std::string& runs,
                                   const std::string& name) {
   RunDirectory directory(path.empty() ? next_numbered(runs, name) : path);
   make_directories(directory.path_);
-  const bool was_there = std::filesystem::exists(directory.path_ + kLockFile);
-  bool other_things = false;
-  for (const auto& entry : std::filesystem::directory_iterator(directory.path_)) {
-    if (entry.path().filename() != "lock") other_things = true;
-  }
-  if (was_there || !other_things) directory.lock();
-  if (other_things) {
+  const auto used = [&] {
+    bool other_things = false;
+    each_entry(directory.path_,
+               [&](const std::string& entry) { other_things |= "/" + entry != kLockFile; });
+    return other_things;
+  };
+  // A folder with other things and no lock is no run directory: not even a lock is put there.
+  std::error_code unseen;
+  const bool has_lock = std::filesystem::exists(directory.path_ + kLockFile, unseen);
+  if (has_lock || !used()) directory.lock();
+  // Asked again: between the question and the lock another process may have used it and ended.
+  if (used()) {
     throw Error::environment(
         fmt::format("the run directory '{}' was already used: it is not empty", directory.path_),
         "choose another with --out, or leave --out away to get a new numbered one");

@@ -1,0 +1,25 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/cli.hpp"
+
+namespace sandglass::cli {
+
+void add_check(CLI::App& app, Session& session) {
+  auto options = std::make_shared<WorkflowOptions>();
+  CLI::App* verb = add_verb(app, "check", "check a workflow and its templates; start nothing",
+                            "  sandglass check workflows/icy_stokes_sphere.yaml\n"
+                            "  sandglass check my_study.yaml --set viscosity='2 mPa s'");
+  options->add_to(*verb);
+  verb->callback([&session, options] {
+    session.action = [options] {
+      const workflow::Workflow workflow = options->load();
+      fmt::print("{}: well-formed; {} parameters, {} stages, {} participants\n", workflow.path,
+                 workflow.parameters.size(), workflow.stages.size(), workflow.participants.size());
+      return ExitCode::done;
+    };
+  });
+}
+
+}  // namespace sandglass::cli

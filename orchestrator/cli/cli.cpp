@@ -1,0 +1,102 @@
+#include "cli/cli.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "run/home.hpp"
+
+namespace sandglass::cli {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit status: 0 done, all comparisons within tolerance; 2 usage; 3 workflow refused;\n"
+    "4 participant failed; 5 numerically unstable; 6 comparison out of tolerance;\n"
+    "7 environment (solver missing, disk full, directory in use); 130 interrupted.";
+
+void print_error(const Error& error) {
+  for (const Problem& problem : error.problems()) {
+    fmt::print(stderr, "sandglass: {}\n", problem.text());
+  }
+}
+
+}  // namespace
+
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& description,
+                   const std::string& examples) {
+  CLI::App* verb = app.add_subcommand(name, description);
+  verb->footer("Examples:\n" + examples);
+  return verb;
+}
+
+void WorkflowOptions::add_to(CLI::App& verb) {
+  verb.add_option("file", file, "the workflow (YAML)")->required()->type_name("FILE");
+  verb.add_option("--set", settings,
+                  "override a parameter: a number with a unit (a bare number is SI), true or false, "
+                  "or a name from the parameter's list")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->take_all();
+  no_prune = verb.add_option("--no-prune", keep,
+                             "put back what this scene does not need: all of it, or these by name")
+                 ->type_name("NAME")
+                 ->expected(0, 1)
+                 ->take_all();
+}
+
+workflow::Workflow WorkflowOptions::load() const {
+  const run::Home home = run::Home::find();
+  workflow::LoadOptions options;
+  options.templates_root = home.templates();
+  options.data_root = home.data();
+  for (const std::string& text : settings) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw Error::usage(fmt::format("--set '{}' is not NAME=VALUE", text),
+                         "write for example --set diameter='0.2 mm'");
+    }
+    options.settings.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  for (const std::string& name : keep) {
+    if (!name.empty()) options.keep.push_back(name);
+  }
+  options.keep_all = no_prune->count() > 0 && options.keep.empty();
+  return workflow::load(file, options);
+}
+
+int main_program(int argc, char** argv) {
+  CLI::App app{"Sandglass: coupled grain-continuum simulations from one YAML workflow"};
+  app.name("sandglass");
+  app.set_version_flag("--version", "sandglass " SANDGLASS_VERSION);
+  app.footer(kExitCodes);
+  app.require_subcommand(1);
+  Session session;
+  session.command.assign(argv, argv + argc);
+  add_run(app, session);
+  add_check(app, session);
+  add_plan(app, session);
+  add_report(app, session);
+  add_status(app, session);
+  add_doctor(app, session);
+  add_setup(app, session);
+  add_test(app, session);
+  add_clean(app, session);
+  add_reference(app, session);
+  add_completion(app, session);
+  try {
+    app.parse(argc, argv);
+    return static_cast<int>(session.action());
+  } catch (const CLI::ParseError& error) {
+    // Help and version come this way too, with status 0.
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+  } catch (const Error& error) {
+    print_error(error);
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "sandglass: {}\n", error.what());
+    return static_cast<int>(ExitCode::environment);
+  }
+}
+
+}  // namespace sandglass::cli

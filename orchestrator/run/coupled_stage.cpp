@@ -1,0 +1,333 @@
+#include "run/coupled_stage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/clock.hpp"
+#include "base/error.hpp"
+#include "coupling/engine.hpp"
+#include "exchange/transform.hpp"
+#include "record/record.hpp"
+#include "run/solvers.hpp"
+
+namespace sandglass::run {
+namespace {
+
+using participant::Participant;
+
+/// Which fields a participant receives and sends, as positions in the workflow's list.
+struct Sides {
+  std::vector<std::size_t> inputs;
+  std::vector<std::size_t> outputs;
+};
+
+Sides sides_of(const workflow::Coupling& coupling, const std::string& name) {
+  Sides sides;
+  for (std::size_t f = 0; f < coupling.fields.size(); ++f) {
+    if (coupling.fields[f].to == name) sides.inputs.push_back(f);
+    if (coupling.fields[f].from == name) sides.outputs.push_back(f);
+  }
+  return sides;
+}
+
+/// Joins the engine's view of a partner (fields by number) to a participant and its slot.
+class ParticipantPartner final : public coupling::Partner {
+ public:
+  ParticipantPartner(Participant& participant, Sides sides)
+      : participant_(participant), sides_(std::move(sides)) {}
+
+  [[nodiscard]] const std::string& name() const override { return participant_.name(); }
+  void give(std::size_t field, std::span<const double> values,
+            const coupling::Shape& shape) override {
+    participant_.slot().give(position(sides_.inputs, field), values, shape);
+  }
+  void begin(std::int64_t window, std::int64_t iteration, double begin, double end) override {
+    participant_.begin({window, iteration, begin, end});
+  }
+  void finish() override { participant_.finish(); }
+  [[nodiscard]] Sent take(std::size_t field) override {
+    auto taken = participant_.slot().take(position(sides_.outputs, field));
+    return {taken.values, std::move(taken.shape)};
+  }
+  void save() override { participant_.save(); }
+  void restore() override { participant_.restore(); }
+  [[nodiscard]] double seconds() const override { return participant_.seconds(); }
+
+ private:
+  static std::size_t position(const std::vector<std::size_t>& list, std::size_t field) {
+    return static_cast<std::size_t>(std::find(list.begin(), list.end(), field) - list.begin());
+  }
+  Participant& participant_;
+  Sides sides_;
+};
+
+/// The script of one participant's windows. Where it uses nothing of the window, its text is the
+/// same every time: rendered and stored once.
+class WindowScript {
+ public:
+  WindowScript(const workflow::Participant& participant, Value::Map values, Scripts& scripts)
+      : participant_(participant), values_(std::move(values)), scripts_(scripts) {
+    changes_ = scripts_.get(participant_.window_template_path).names().contains("window");
+  }
+  [[nodiscard]] bool changes() const { return changes_; }
+  std::string render(std::int64_t index, double begin, double end) {
+    if (changes_) {
+      values_["window"] = Value::Map{{"index", index}, {"begin", begin}, {"end", end}};
+    }
+    return scripts_.render(participant_.name, participant_.window_template_path, values_);
+  }
+
+ private:
+  const workflow::Participant& participant_;
+  Value::Map values_;
+  Scripts& scripts_;
+  bool changes_ = false;
+};
+
+/// The values of `all` that one of two templates uses: a participant's names are given to its
+/// script and its window script together.
+Value::Map used_by(const Template& parsed, const Value::Map& all) {
+  Value::Map values;
+  for (const auto& [name, value] : all) {
+    if (parsed.names().contains(name)) values[name] = value;
+  }
+  return values;
+}
+
+std::vector<exchange::FieldLayout> layouts(const workflow::Coupling& coupling,
+                                           const std::vector<std::size_t>& fields, bool received) {
+  std::vector<exchange::FieldLayout> result;
+  for (const std::size_t f : fields) {
+    const workflow::Field& field = coupling.fields[f];
+    const bool identity = field.transform == workflow::Transform::identity;
+    result.push_back({field.name, field.unit, received ? field.received_shape : field.shape,
+                      field.variable && (identity || !received)});
+  }
+  return result;
+}
+
+coupling::Plan plan_of(const workflow::Coupling& coupling) {
+  coupling::Plan plan;
+  plan.scheme = coupling.scheme == workflow::Scheme::parallel_explicit
+                    ? coupling::Scheme::parallel_explicit
+                    : coupling::Scheme::serial_explicit;
+  plan.window = coupling.window;
+  plan.windows = coupling.windows;
+  const auto number = [&](const std::string& name) {
+    const auto found = std::find(coupling.order.begin(), coupling.order.end(), name);
+    return found == coupling.order.end()
+               ? coupling::kNobody
+               : static_cast<std::size_t>(found - coupling.order.begin());
+  };
+  for (const workflow::Field& field : coupling.fields) {
+    coupling::Field planned;
+    planned.name = field.name;
+    planned.shape = field.shape;
+    planned.variable = field.variable;
+    planned.from = number(field.from);
+    planned.to = number(field.to);
+    planned.received_shape = field.received_shape;
+    planned.initial = field.initial;
+    if (field.transform != workflow::Transform::identity) {
+      const auto transform = field.transform;
+      const auto samples = field.samples;
+      planned.transform = [transform, samples](std::span<const double> values,
+                                               const coupling::Shape& shape,
+                                               coupling::Shape& result) {
+        result = exchange::transformed_shape(transform, shape, samples);
+        return exchange::apply(transform, values, shape, samples);
+      };
+    }
+    plan.fields.push_back(std::move(planned));
+  }
+  return plan;
+}
+
+/// The coupling of one run: participants in the order of the workflow, their scripts, the record.
+class CoupledRun {
+ public:
+  CoupledRun(const workflow::Workflow& workflow, const Home& home,
+             const record::RunDirectory& directory, Scripts& scripts, CoupledOutcome& outcome)
+      : workflow_(workflow),
+        coupling_(*workflow.coupling),
+        home_(home),
+        directory_(directory),
+        scripts_(scripts),
+        outcome_(outcome) {}
+
+  void run(const std::function<void(std::int64_t, double)>& progress) {
+    const double rendered_before = scripts_.seconds();
+    try {
+      start();
+      loop(progress);
+      for (auto& participant : participants_) participant->stop();
+    } catch (...) {
+      finish(rendered_before);
+      throw;
+    }
+    finish(rendered_before);
+  }
+
+ private:
+  void start() {
+    const double start = clock_.now();
+    for (const std::string& name : coupling_.order) add(name);
+    open_record();
+    for (std::size_t p = 0; p < participants_.size(); ++p) {
+      if (!fresh_[p]) participants_[p]->start();
+    }
+    for (std::size_t p = 0; p < participants_.size(); ++p) {
+      if (!fresh_[p]) participants_[p]->wait_until_ready();
+    }
+    outcome_.start_seconds = clock_.now() - start;
+  }
+
+  void add(const std::string& name) {
+    const auto found =
+        std::find_if(workflow_.participants.begin(), workflow_.participants.end(),
+                     [&](const workflow::Participant& one) { return one.name == name; });
+    const workflow::Participant& one = *found;
+    const Value::Map values = values_of(one.given, directory_.path(), home_.data());
+    const Sides sides = sides_of(coupling_, name);
+
+    participant::Description description;
+    description.name = name;
+    if (!one.template_path.empty()) {
+      description.script = scripts_.render(name, one.template_path,
+                                           used_by(scripts_.get(one.template_path), values));
+    }
+    window_scripts_.push_back(nullptr);
+    if (!one.window_template_path.empty()) {
+      auto script = std::make_unique<WindowScript>(
+          one, used_by(scripts_.get(one.window_template_path), values), scripts_);
+      description.window_script = script->render(1, 0.0, coupling_.window);
+      if (script->changes()) window_scripts_.back() = std::move(script);
+    }
+    description.command = participant_command(home_, one, description.script);
+    description.work_directory = directory_.folder("work/" + name);
+    description.command.directory = description.work_directory;
+    description.command.log = directory_.folder("logs") + "/" + name + ".log";
+    description.slot = directory_.folder("exchange") + "/" + name + ".h5";
+    description.inputs = layouts(coupling_, sides.inputs, true);
+    description.outputs = layouts(coupling_, sides.outputs, false);
+    description.fresh = one.lifetime == workflow::Lifetime::fresh;
+    description.mapped = coupling_.transport == workflow::Transport::mapped;
+    description.deadline = one.deadline;
+    fresh_.push_back(description.fresh);
+    participants_.push_back(std::make_unique<Participant>(std::move(description), watch_));
+    partners_.push_back(std::make_unique<ParticipantPartner>(*participants_.back(), sides));
+  }
+
+  void open_record() {
+    std::vector<record::RecordedField> fields;
+    for (std::size_t f = 0; f < coupling_.fields.size(); ++f) {
+      const workflow::Field& field = coupling_.fields[f];
+      if (!field.recorded) continue;
+      recorded_.push_back(f);
+      fields.push_back({field.name, field.unit, field.from, field.to, field.shape, field.variable});
+    }
+    std::vector<std::string> columns = coupling_.order;
+    columns.insert(columns.end(), {"exchange", "render", "orchestrator"});
+    record_ = std::make_unique<record::Record>(directory_.file("record.h5"), coupling_.windows,
+                                               std::move(fields), std::move(columns));
+  }
+
+  void loop(const std::function<void(std::int64_t, double)>& progress) {
+    std::vector<coupling::Partner*> partners;
+    for (auto& partner : partners_) partners.push_back(partner.get());
+    const double start = clock_.now();
+    coupling::run(
+        plan_of(coupling_), partners, clock_, [&](std::int64_t index) { use_scripts(index); },
+        [&](const coupling::Done& done) {
+          append(done);
+          outcome_.loop_seconds = clock_.now() - start;
+          progress(done.window, done.end);
+        });
+  }
+
+  void use_scripts(std::int64_t index) {
+    const double start = clock_.now();
+    for (std::size_t p = 0; p < participants_.size(); ++p) {
+      if (!window_scripts_[p] || index == 1) continue;
+      participants_[p]->use_window_script(
+          window_scripts_[p]->render(index, static_cast<double>(index - 1) * coupling_.window,
+                                     static_cast<double>(index) * coupling_.window));
+    }
+    render_of_window_ = clock_.now() - start;
+  }
+
+  void append(const coupling::Done& done) {
+    record::Row row;
+    row.begin = done.begin;
+    row.end = done.end;
+    row.iterations = done.iterations;
+    for (const std::size_t f : recorded_) {
+      row.fields.push_back({done.fields[f].values,
+                            done.fields[f].shape.empty() ? 1 : done.fields[f].shape[0]});
+    }
+    row.timings = done.timing.partners;
+    outcome_.working_seconds += done.timing.working;
+    for (std::size_t p = 0; p < partners_.size(); ++p) {
+      outcome_.participant_seconds[partners_[p]->name()] += done.timing.partners[p];
+    }
+    row.timings.push_back(done.timing.exchange);
+    row.timings.push_back(render_of_window_);
+    row.timings.push_back(
+        std::max(0.0, done.timing.total - done.timing.working - done.timing.exchange));
+    const double start = clock_.now();
+    record_->append(row);
+    outcome_.record_seconds += clock_.now() - start;
+    outcome_.exchange_seconds += done.timing.exchange;
+    outcome_.windows = done.window;
+    outcome_.time = done.end;
+  }
+
+  /// Whatever happened: no process is left, and what was recorded is on the disk.
+  void finish(double rendered_before) {
+    outcome_.render_seconds = scripts_.seconds() - rendered_before;
+    for (auto& participant : participants_) {
+      for (const std::string& note : participant->notes()) {
+        outcome_.notes.push_back(participant->name() + ": " + note);
+      }
+      const auto& savings = participant->savings();
+      outcome_.savings.insert(outcome_.savings.end(), savings.begin(), savings.end());
+      outcome_.peak_memory_bytes[participant->name()] = participant->peak_memory_bytes();
+    }
+    partners_.clear();
+    participants_.clear();
+    if (record_) record_->close();
+  }
+
+  const workflow::Workflow& workflow_;
+  const workflow::Coupling& coupling_;
+  const Home& home_;
+  const record::RunDirectory& directory_;
+  Scripts& scripts_;
+  CoupledOutcome& outcome_;
+  SystemClock clock_;
+  Watch watch_;
+  std::vector<std::unique_ptr<Participant>> participants_;
+  std::vector<std::unique_ptr<ParticipantPartner>> partners_;
+  std::vector<std::unique_ptr<WindowScript>> window_scripts_;
+  std::vector<bool> fresh_;
+  std::vector<std::size_t> recorded_;
+  std::unique_ptr<record::Record> record_;
+  double render_of_window_ = 0;
+};
+
+}  // namespace
+
+double CoupledOutcome::overhead_per_window() const {
+  if (windows == 0) return 0;
+  return std::max(0.0, loop_seconds - working_seconds) / static_cast<double>(windows);
+}
+
+void run_coupling(const workflow::Workflow& workflow, const Home& home,
+                  const record::RunDirectory& directory, Scripts& scripts, CoupledOutcome& outcome,
+                  const std::function<void(std::int64_t window, double time)>& progress) {
+  CoupledRun(workflow, home, directory, scripts, outcome).run(progress);
+}
+
+}  // namespace sandglass::run

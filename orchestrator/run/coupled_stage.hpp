@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "participant/participant.hpp"
+#include "record/run_directory.hpp"
+#include "run/home.hpp"
+#include "run/scripts.hpp"
+#include "workflow/model.hpp"
+
+namespace sandglass::run {
+
+/// What the coupling leaves behind besides its record, whole or not.
+struct CoupledOutcome {
+  std::int64_t windows = 0;  ///< complete, all of them recorded
+  double time = 0;           ///< physical time reached, s
+  double start_seconds = 0;  ///< until all participants were ready
+  double loop_seconds = 0;   ///< all windows together
+  std::map<std::string, double> participant_seconds;  ///< work in windows, by their own account
+  std::map<std::string, double> peak_memory_bytes;
+  double working_seconds = 0;  ///< of the loop, what it waited for participants' own work
+  double exchange_seconds = 0;
+  double record_seconds = 0;
+  double render_seconds = 0;
+  std::vector<std::string> notes;  ///< "fluid: ..."
+  std::vector<participant::Saving> savings;
+
+  /// Seconds per window that no participant worked.
+  [[nodiscard]] double overhead_per_window() const;
+};
+
+/// Runs the workflow's coupling in this run directory. `outcome` is filled as far as the run came,
+/// also when this throws; the record then holds every complete window.
+void run_coupling(const workflow::Workflow& workflow, const Home& home,
+                  const record::RunDirectory& directory, Scripts& scripts, CoupledOutcome& outcome,
+                  const std::function<void(std::int64_t window, double time)>& progress);
+
+}  // namespace sandglass::run

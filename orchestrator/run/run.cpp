@@ -1,0 +1,337 @@
+#include "run/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "base/clock.hpp"
+#include "base/file.hpp"
+#include "base/unit.hpp"
+#include "hdf5/hdf5.hpp"
+#include "process/interrupt.hpp"
+#include "record/provenance.hpp"
+#include "report/analysis.hpp"
+#include "report/compare.hpp"
+#include "report/page.hpp"
+#include "report/result.hpp"
+#include "run/coupled_stage.hpp"
+#include "run/solvers.hpp"
+#include "run/stage.hpp"
+#include "run/status_file.hpp"
+#include "workflow/json.hpp"
+
+namespace sandglass::run {
+namespace {
+
+/// The names of the solvers that a workflow needs, each once.
+std::set<std::string> solvers_of(const workflow::Workflow& workflow) {
+  std::set<std::string> names;
+  for (const workflow::Stage& stage : workflow.stages) names.insert(solver_name(stage.program));
+  for (const workflow::Participant& one : workflow.participants) {
+    names.insert(solver_name(one.solver));
+  }
+  names.erase("command");
+  names.erase("coupling");
+  return names;
+}
+
+std::vector<record::UsedProgram> identify_all(const Home& home, const std::set<std::string>& names) {
+  std::vector<record::UsedProgram> used;
+  for (const std::string& name : names) used.push_back(identify_solver(home, name));
+  return used;
+}
+
+class Run {
+ public:
+  Run(const workflow::Workflow& workflow, const Home& home, const Options& options, Status& status)
+      : workflow_(workflow),
+        home_(home),
+        options_(options),
+        started_(clock_.now()),
+        directory_(record::RunDirectory::create(options.out, options.runs, workflow.name)),
+        scripts_(home.templates(), directory_.folder("scripts")),
+        status_(directory_.file("status.json"), status) {
+    started_date_ = date_and_time();
+    progress_.name = std::filesystem::path(directory_.path()).filename().string();
+  }
+
+  Ended execute() {
+    Ended ended;
+    ended.directory = directory_.path();
+    try {
+      begin("prepare");
+      prepare();
+      run_stages();
+      conclude();
+    } catch (const Error& error) {
+      result_.exit_code = static_cast<int>(error.code());
+      result_.status = report::status_name(error.code());
+      result_.error = error.what();
+    } catch (const std::exception& error) {
+      result_.exit_code = static_cast<int>(ExitCode::environment);
+      result_.status = report::status_name(ExitCode::environment);
+      result_.error = error.what();
+    }
+    close(ended);
+    ended.code = static_cast<ExitCode>(result_.exit_code);
+    ended.error = result_.error;
+    return ended;
+  }
+
+ private:
+  void begin(const std::string& stage) {
+    progress_.stage = stage;
+    progress_.elapsed = clock_.now() - started_;
+    status_.begin(progress_);
+  }
+
+  void prepare() {
+    write_file(directory_.file("workflow.yaml"), read_file(workflow_.path));
+    write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
+    // Reading whole solvers takes a while: it is done while they start.
+    solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_));
+  }
+
+  void run_stages() {
+    for (const workflow::Stage& stage : workflow_.stages) {
+      begin(stage.name);
+      const double start = clock_.now();
+      if (stage.program == workflow::Program::coupling) {
+        couple();
+      } else {
+        const Exit ended = run_stage(stage, home_, directory_, scripts_);
+        peak_memory_[stage.name] = ended.peak_memory_bytes;
+      }
+      stage_seconds_[stage.name] = clock_.now() - start;
+    }
+  }
+
+  void couple() {
+    const double start = clock_.now();
+    progress_.windows = workflow_.coupling->windows;
+    progress_.end = static_cast<double>(progress_.windows) * workflow_.coupling->window;
+    run_coupling(workflow_, home_, directory_, scripts_, outcome_,
+                 [&](std::int64_t window, double time) {
+                   const double now = clock_.now();
+                   progress_.window = window;
+                   progress_.time = time;
+                   progress_.elapsed = now - started_;
+                   progress_.rate = static_cast<double>(window) /
+                                    std::max(1e-9, now - start - outcome_.start_seconds);
+                   progress_.left =
+                       static_cast<double>(progress_.windows - window) / progress_.rate;
+                   status_.window(progress_);
+                 });
+  }
+
+  /// Quantities and comparisons; the verdict.
+  void conclude() {
+    std::vector<std::string> stages;
+    for (const workflow::Stage& stage : workflow_.stages) {
+      if (stage.analysis) stages.push_back(stage.name);
+    }
+    const report::Analysis analysis = report::read_analyses(directory_.path(), stages);
+    report::add_analysis(result_, analysis);
+    result_.comparisons = report::compare(workflow_, analysis, home_.data());
+    const ExitCode verdict = report::verdict(result_.comparisons);
+    result_.exit_code = static_cast<int>(verdict);
+    result_.status = report::status_name(verdict);
+    if (verdict == ExitCode::mismatch) result_.error = mismatch_text();
+  }
+
+  [[nodiscard]] std::string mismatch_text() const {
+    std::string text;
+    for (const report::ComparisonResult& one : result_.comparisons) {
+      if (!one.passed || *one.passed) continue;
+      if (!text.empty()) text += '\n';
+      text += fmt::format("comparison '{}': {} is {}, tolerance {} ({})", one.name, one.metric,
+                          one.value ? shortest(*one.value) : "not defined", one.tolerance,
+                          one.because);
+    }
+    return text;
+  }
+
+  /// Writes what is to be kept, whatever happened before.
+  void close(Ended& ended) {
+    result_.windows = outcome_.windows;
+    if (outcome_.windows > 0) result_.overhead_s_per_window = outcome_.overhead_per_window();
+    add_left_out();
+    for (const std::string& note : outcome_.notes) add_note(note);
+    result_.wall_time_s = clock_.now() - started_;
+    try {
+      write_provenance();
+      report::write_result(result_, directory_.path());
+      if (!Interrupt::requested()) make_report(ended);
+    } catch (const Error& error) {
+      fail_late(error);
+    }
+    progress_.stage = result_.status;
+    progress_.left = 0;
+    begin(result_.status);
+  }
+
+  void make_report(Ended& ended) {
+    begin("report");
+    const double start = clock_.now();
+    report::ReportTools tools;
+    tools.templates_root = home_.templates();
+    report::write_report(directory_.path(), tools);
+    ended.report = directory_.file("report.html");
+    report_seconds_ = clock_.now() - start;
+    result_.wall_time_s = clock_.now() - started_;
+    write_provenance();
+    report::write_result(result_, directory_.path());
+  }
+
+  /// The result could not be kept or shown: an error of its own, unless there is one already.
+  void fail_late(const Error& error) {
+    if (result_.exit_code == 0 || result_.exit_code == static_cast<int>(ExitCode::mismatch)) {
+      result_.exit_code = static_cast<int>(error.code());
+      result_.status = report::status_name(error.code());
+      result_.error = error.what();
+    } else {
+      result_.error += std::string("\n") + error.what();
+    }
+    try {
+      report::write_result(result_, directory_.path());
+    } catch (const Error&) {
+      // The same disk that refused before: the error is on its way to the user already.
+    }
+  }
+
+  void add_left_out() {
+    for (const workflow::LeftOut& one : workflow_.left_out) {
+      if (!one.active) continue;
+      report::Saving saving{one.what, one.why, std::nullopt};
+      for (const participant::Saving& measured : outcome_.savings) {
+        if (measured.name == one.name) saving.saving_s = measured.seconds;
+      }
+      result_.left_out.push_back(saving);
+    }
+  }
+
+  void add_note(const std::string& note) {
+    const size_t colon = note.find(": ");
+    result_.notes.push_back({note.substr(0, colon), note.substr(colon + 2)});
+  }
+
+  void write_provenance() {
+    if (solvers_.valid()) {
+      for (const record::UsedProgram& used : solvers_.get()) {
+        solvers_json_.push_back(record::to_json(used));
+      }
+    }
+    nlohmann::json json;
+    json["format"] = 1;
+    json["started"] = started_date_;
+    json["ended"] = date_and_time();
+    json["host"] = record::describe_machine();
+    json["program"] = {{"name", "sandglass"},
+                       {"version", SANDGLASS_VERSION},
+                       {"digest", digest_of_file("/proc/self/exe")},
+                       {"hdf5", hdf5::library_version()}};
+    json["command"] = options_.command;
+    json["workflow"] = {{"path", workflow_.path},
+                        {"digest", digest_of_file(directory_.file("workflow.yaml"))}};
+    json["solvers"] = solvers_json_;
+    json["templates"] = record::to_json(scripts_.template_files());
+    json["scripts"] = nlohmann::json::array();
+    for (const Scripts::Stored& stored : scripts_.stored()) {
+      json["scripts"].push_back({{"participant", stored.whose},
+                                 {"template", stored.template_path},
+                                 {"path", "scripts/" + std::filesystem::path(stored.path).filename().string()},
+                                 {"digest", stored.digest}});
+    }
+    json["data"] = record::to_json(data_files());
+    json["environment"] = record::describe_environment();
+    json["timings"] = {{"participants", outcome_.participant_seconds},
+                       {"exchange", outcome_.exchange_seconds},
+                       {"record", outcome_.record_seconds},
+                       {"render", scripts_.seconds()},
+                       {"orchestrator", outcome_.overhead_per_window() *
+                                            static_cast<double>(outcome_.windows)},
+                       {"start", outcome_.start_seconds},
+                       {"stages", stage_seconds_},
+                       {"report", report_seconds_}};
+    for (const auto& [name, bytes] : outcome_.peak_memory_bytes) peak_memory_[name] = bytes;
+    json["peak_memory_bytes"] = peak_memory_;
+    write_file(directory_.file("provenance.json"), json.dump(1) + "\n");
+  }
+
+  /// The files below data/ that stages, participants and comparisons name.
+  [[nodiscard]] std::vector<record::UsedFile> data_files() const {
+    std::set<std::string> paths;
+    const auto add = [&](const workflow::GivenMap& given) {
+      for (const auto& [name, one] : given) {
+        if (one.file && one.file->stage.empty()) paths.insert(one.file->file);
+      }
+    };
+    for (const workflow::Stage& stage : workflow_.stages) add(stage.given);
+    for (const workflow::Participant& one : workflow_.participants) add(one.given);
+    for (const workflow::Comparison& one : workflow_.comparisons) {
+      if (!one.reference_file.empty()) paths.insert(one.reference_file);
+    }
+    std::vector<record::UsedFile> files;
+    for (const std::string& path : paths) {
+      files.push_back({"data/" + path, digest_of_file(home_.data() + "/" + path)});
+    }
+    return files;
+  }
+
+  const workflow::Workflow& workflow_;
+  const Home& home_;
+  const Options& options_;
+  SystemClock clock_;
+  double started_;
+  std::string started_date_;
+  record::RunDirectory directory_;
+  Scripts scripts_;
+  StatusFile status_;
+  Progress progress_;
+  report::Result result_;
+  CoupledOutcome outcome_;
+  std::future<std::vector<record::UsedProgram>> solvers_;
+  nlohmann::json solvers_json_ = nlohmann::json::array();
+  std::map<std::string, double> stage_seconds_;
+  std::map<std::string, double> peak_memory_;
+  double report_seconds_ = 0;
+};
+
+}  // namespace
+
+Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
+              Status& status) {
+  Interrupt::install();
+  return Run(workflow, home, options, status).execute();
+}
+
+std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Home& home) {
+  Scripts scripts(home.templates(), "");
+  std::vector<RenderedScript> rendered;
+  const auto render = [&](const std::string& whose, const std::string& path,
+                          const workflow::GivenMap& given, bool whole) {
+    if (path.empty()) return;
+    const Template& parsed = scripts.get(path);
+    Value::Map values = values_of(given, "RUN", home.data());
+    if (!whole) std::erase_if(values, [&](const auto& one) { return !parsed.names().contains(one.first); });
+    if (parsed.names().contains("window") && !values.contains("window")) {
+      values["window"] = Value::Map{{"index", 1}, {"begin", 0.0}, {"end", workflow.coupling->window}};
+    }
+    rendered.push_back({whose, path, parsed.render(values).size()});
+  };
+  for (const workflow::Stage& stage : workflow.stages) {
+    render(stage.name, stage.template_path, stage.given, true);
+  }
+  for (const workflow::Participant& one : workflow.participants) {
+    render(one.name, one.template_path, one.given, false);
+    render(one.name, one.window_template_path, one.given, false);
+  }
+  return rendered;
+}
+
+}  // namespace sandglass::run

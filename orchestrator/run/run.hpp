@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "record/run_directory.hpp"
+#include "run/home.hpp"
+#include "run/status.hpp"
+#include "workflow/model.hpp"
+
+namespace sandglass::run {
+
+struct Options {
+  std::string out;                   ///< run directory; empty: a new numbered one below `runs`
+  std::string runs = "runs";         ///< where numbered run directories are made
+  std::vector<std::string> command;  ///< the command line, for the provenance
+};
+
+/// How a run ended. The same is in result.json.
+struct Ended {
+  ExitCode code = ExitCode::done;
+  std::string error;      ///< empty when all went well
+  std::string directory;  ///< of the run
+  std::string report;     ///< path of report.html; empty when none could be made
+};
+
+/// Executes one workflow: stages in order, the coupling among them, comparisons, result, report.
+/// A run that fails returns its error and leaves its record, logs and result.json behind; only what
+/// stops a run directory from existing at all is thrown (Error::environment).
+Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
+              Status& status);
+
+/// Renders every script of the workflow without storing or starting anything. Throws Error::refused.
+struct RenderedScript {
+  std::string whose;
+  std::string template_path;
+  std::size_t bytes = 0;
+};
+std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Home& home);
+
+}  // namespace sandglass::run

@@ -1,0 +1,152 @@
+#include "run/solvers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+
+namespace sandglass::run {
+namespace {
+
+/// Debian's own Python: YADE's and h5py's modules are built for it, whatever else is on PATH.
+constexpr const char* kPython = "/usr/bin/python3";
+
+std::string python_path(const Home& home) { return home.templates() + "/python"; }
+
+/// One thread in every numerical library: runs repeat, and two solvers do not fight for cores.
+void set_threads(Command& command, int threads) {
+  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "SANDGLASS_THREADS"}) {
+    command.environment[name] = fmt::format("{}", threads);
+  }
+}
+
+void set_python(Command& command, const Home& home) {
+  command.environment["PYTHONPATH"] = python_path(home);
+  command.environment["SANDGLASS_PYTHON"] = python_path(home);
+  command.environment["PYTHONDONTWRITEBYTECODE"] = "1";
+}
+
+void set_freefem(Command& command, const Home& home) {
+  // Debian's built-in load path does not exist; the separator is a semicolon.
+  command.environment["FF_LOADPATH"] = home.plugin_folder() + ";/usr/lib/freefem++";
+  command.environment["FF_INCLUDEPATH"] = "/usr/include/freefem++/idp";
+}
+
+std::vector<std::string> freefem_arguments(const std::string& script) {
+  return {solver("freefem").program, "-nw", "-v", "0", script};
+}
+
+}  // namespace
+
+const std::vector<SolverInfo>& solvers() {
+  static const std::vector<SolverInfo> all = {
+      {"yade", "yade", "yade", "discrete elements"},
+      {"freefem", "FreeFem++", "freefem++", "continua"},
+      {"gmsh", "gmsh", "gmsh", "meshes"},
+      {"python", kPython, "python3", "mesh conversion (meshio), analysis (h5py), figures (matplotlib)"}};
+  return all;
+}
+
+const SolverInfo& solver(const std::string& name) {
+  const auto& all = solvers();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const SolverInfo& info) { return info.name == name; });
+  if (found == all.end()) throw Error::environment(fmt::format("no solver is named '{}'", name));
+  return *found;
+}
+
+std::string solver_name(workflow::Solver which) {
+  switch (which) {
+    case workflow::Solver::yade:
+      return "yade";
+    case workflow::Solver::freefem:
+      return "freefem";
+    case workflow::Solver::command:
+      break;
+  }
+  return "command";
+}
+
+std::string solver_name(workflow::Program which) {
+  switch (which) {
+    case workflow::Program::gmsh:
+      return "gmsh";
+    case workflow::Program::python:
+      return "python";
+    case workflow::Program::freefem:
+      return "freefem";
+    case workflow::Program::yade:
+      return "yade";
+    case workflow::Program::command:
+      return "command";
+    case workflow::Program::coupling:
+      break;
+  }
+  return "coupling";
+}
+
+Command participant_command(const Home& home, const workflow::Participant& participant,
+                            const std::string& script) {
+  Command command;
+  set_threads(command, participant.threads);
+  set_python(command, home);
+  switch (participant.solver) {
+    case workflow::Solver::yade:
+      command.arguments = {kPython, home.templates() + "/yade/resident.py"};
+      break;
+    case workflow::Solver::freefem:
+      command.arguments = freefem_arguments(script);
+      set_freefem(command, home);
+      break;
+    case workflow::Solver::command:
+      command.arguments = participant.command;
+      break;
+  }
+  return command;
+}
+
+Command stage_command(const Home& home, const workflow::Stage& stage, const std::string& script) {
+  Command command;
+  set_threads(command, 1);
+  set_python(command, home);
+  switch (stage.program) {
+    case workflow::Program::gmsh:
+      // The script meshes and saves by itself: '-' means no window and no meshing unasked.
+      command.arguments = {solver("gmsh").program, "-nopopup", "-", script};
+      break;
+    case workflow::Program::python:
+      command.arguments = {kPython, script};
+      break;
+    case workflow::Program::freefem:
+      command.arguments = freefem_arguments(script);
+      set_freefem(command, home);
+      break;
+    case workflow::Program::yade:
+      command.arguments = {kPython, home.templates() + "/yade/resident.py"};
+      command.environment["SANDGLASS_SCRIPT"] = script;
+      break;
+    case workflow::Program::command:
+      command.arguments = stage.command;
+      break;
+    case workflow::Program::coupling:
+      throw Error::environment("the coupling is not one program");
+  }
+  return command;
+}
+
+record::UsedProgram identify_solver(const Home& home, const std::string& name) {
+  const SolverInfo& info = solver(name);
+  std::vector<std::string> parts;
+  if (name == "yade") {
+    parts = {home.templates() + "/yade/resident.py",
+             home.templates() + "/python/sandglass_participant.py"};
+  } else if (name == "freefem") {
+    parts = {home.plugin_folder() + "/sandglass.so"};
+  } else if (name == "python") {
+    parts = {home.templates() + "/python/sandglass_analysis.py"};
+  }
+  return record::identify(info.name, info.program, info.package, parts);
+}
+
+}  // namespace sandglass::run

@@ -1,0 +1,49 @@
+#include "run/stage.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "run/solvers.hpp"
+
+namespace sandglass::run {
+namespace {
+
+/// FreeFEM exits with status 0 on singular matrices too: a script says when it is content.
+constexpr const char* kFinished = "sandglass: finished";
+
+[[noreturn]] void fail(const workflow::Stage& stage, const std::string& log,
+                       const std::string& what) {
+  throw Error::participant(fmt::format("stage {} {}\nlast lines of {}:\n{}", stage.name, what, log,
+                                       last_lines(log)));
+}
+
+}  // namespace
+
+Exit run_stage(const workflow::Stage& stage, const Home& home,
+               const record::RunDirectory& directory, Scripts& scripts) {
+  std::string script;
+  if (!stage.template_path.empty()) {
+    script = scripts.render(stage.name, stage.template_path,
+                            values_of(stage.given, directory.path(), home.data()));
+  }
+  Command command = stage_command(home, stage, script);
+  command.directory = directory.folder("stages/" + stage.name);
+  command.log = directory.folder("logs") + "/" + stage.name + ".log";
+  if (stage.analysis) command.environment["SANDGLASS_RECORD"] = directory.file("record.h5");
+  const Exit ended = run_to_end("stage " + stage.name, command, stage.deadline);
+  for (const std::string& made : stage.makes) {
+    if (!std::filesystem::exists(command.directory + "/" + made)) {
+      fail(stage, command.log, fmt::format("ended well but did not make '{}'", made));
+    }
+  }
+  if (stage.program == workflow::Program::freefem &&
+      read_file(command.log).find(kFinished) == std::string::npos) {
+    fail(stage, command.log, "ended without its end marker (sandglassFinished)");
+  }
+  return ended;
+}
+
+}  // namespace sandglass::run

@@ -1,0 +1,5 @@
+# window {{window.index}}
+advance({{window.begin}}, {{window.end}})
+{{^damped}}
+check(free=True)
+{{/damped}}

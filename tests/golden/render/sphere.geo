@@ -1,0 +1,6 @@
+// {{fluid}}
+radius = {{diameter}} / 2;
+radii[] = {{radii}};
+{{#radii}}
+Point(newp) = { {{.}}, 0, {{gravity}}};
+{{/radii}}

@@ -1,0 +1,3 @@
+#!/bin/sh
+# {{title}}
+exec solver --title={{title}} --diameter={{diameter}} --damped={{damped}} {{radii}}
