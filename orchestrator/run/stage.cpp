@@ -14,6 +14,18 @@ namespace {
 /// FreeFEM exits with status 0 on singular matrices too: a script says when it is content.
 constexpr const char* kFinished = "sandglass: finished";
 
+/// The stored script under the stage's own name in its work directory: gmsh takes paths as relative to
+/// its script, and messages name something readable.
+std::string linked(const std::string& script, const std::string& directory,
+                   const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path link = fs::path(directory) / (name + fs::path(script).extension().string());
+  std::error_code error;
+  fs::create_symlink(fs::relative(script, directory), link, error);
+  if (error) throw_system_error("link the script", link.string(), error.value());
+  return link.string();
+}
+
 [[noreturn]] void fail(const workflow::Stage& stage, const std::string& log,
                        const std::string& what) {
   throw Error::participant(fmt::format("stage {} {}\nlast lines of {}:\n{}", stage.name, what, log,
@@ -24,13 +36,15 @@ constexpr const char* kFinished = "sandglass: finished";
 
 Exit run_stage(const workflow::Stage& stage, const Home& home,
                const record::RunDirectory& directory, Scripts& scripts) {
+  const std::string work = directory.folder("stages/" + stage.name);
   std::string script;
   if (!stage.template_path.empty()) {
-    script = scripts.render(stage.name, stage.template_path,
-                            values_of(stage.given, directory.path(), home.data()));
+    script = linked(scripts.render(stage.name, stage.template_path,
+                                   values_of(stage.given, directory.path(), home.data())),
+                    work, stage.name);
   }
   Command command = stage_command(home, stage, script);
-  command.directory = directory.folder("stages/" + stage.name);
+  command.directory = work;
   command.log = directory.folder("logs") + "/" + stage.name + ".log";
   if (stage.analysis) command.environment["SANDGLASS_RECORD"] = directory.file("record.h5");
   const Exit ended = run_to_end("stage " + stage.name, command, stage.deadline);

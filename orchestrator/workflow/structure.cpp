@@ -14,15 +14,18 @@ std::string titled(const Object& table) {
   return table.name == "left_out" ? "left_out" : "a " + table.name;
 }
 
-/// Reports when the node is not of the kind wanted. Broken nodes pass in silence.
-bool is(const Node& node, Node::Kind wanted, const Key& key, const Scope& scope) {
+/// Reports when the node is not of the kind wanted. Broken nodes pass in silence. `name` is that of
+/// the thing itself, where the key holds several.
+bool is(const Node& node, Node::Kind wanted, const Key& key, const Scope& scope,
+        const std::string& name = {}) {
   if (node.kind == wanted) return true;
-  if (node.kind != Node::Kind::broken) {
-    scope.report(
-        scope.at(node),
-        fmt::format("'{}' must be a {}", key.name, wanted == Node::Kind::list ? "list" : "map"),
-        fmt::format("expected: {}, such as {}", description_of(key), key.example));
-  }
+  if (node.kind == Node::Kind::broken) return false;
+  scope.report(scope.at(node),
+               fmt::format("'{}' must be a {}", name.empty() ? key.name : name,
+                           wanted == Node::Kind::list ? "list" : "map"),
+               name.empty()
+                   ? fmt::format("expected: {}, such as {}", description_of(key), key.example)
+                   : fmt::format("write the keys of a {} in it", key.object));
   return false;
 }
 
@@ -65,10 +68,11 @@ void check_selection(const Node& node, const Key& key, const Scope& scope) {
   for (const Node& item : node.items) (void)scope.scalar(item, item_key);
 }
 
-void check_one(const Node& node, const Key& key, Place where, const Scope& scope) {
+void check_one(const Node& node, const Key& key, Place where, const Scope& scope,
+               const std::string& name = {}) {
   switch (key.kind) {
     case Kind::object:
-      if (is(node, Node::Kind::map, key, scope)) {
+      if (is(node, Node::Kind::map, key, scope, name)) {
         check_structure(node, object(key.object), std::move(where), key.partial, scope);
       }
       return;
@@ -117,7 +121,7 @@ void check_value(const Node& node, const Key& key, const Place& where, const Sco
                    fmt::format("give it the keys of a {}", key.object));
       continue;
     }
-    check_one(item, key, scope.at(name), scope);
+    check_one(item, key, scope.at(name), scope, name.text);
   }
 }
 

@@ -125,6 +125,16 @@ sandglass.quantity('velocity_difference_scheme_own_drag_max', largest(velocity -
 sandglass.quantity('scheme_time_error_max', largest(exact_scheme - exponential), 'm/s',
                    "max |v_scheme - v_exact|, from theory alone (undamped serial scheme: |G^n - exp(-n lambda)| v_t, "
                    'G = 1 - lambda)')
+# The same three as parts of the largest speed, so that one tolerance serves every sphere, fluid and window.
+for name, difference, against in (
+    ('velocity_difference_exponential_relative', velocity - exponential, 'Stokes\' law'),
+    ('velocity_difference_scheme_relative', velocity - exact_scheme, 'the exact solution of the scheme'),
+    ('velocity_difference_scheme_own_drag_relative', velocity - own_scheme, "the same with the solver's own drag"),
+    ('scheme_time_error_relative', exact_scheme - exponential, "Stokes' law, of the exact scheme: theory alone"),
+):
+    speed = largest(exact_scheme)
+    sandglass.quantity(name, largest(difference) / speed if speed else None, '1',
+                       'largest difference from %s over the largest speed' % against)
 sandglass.quantity('relaxation_time', tau, 's', 'rho d^2 / (18 mu)')
 sandglass.quantity('window_over_relaxation_time', window / tau, '1',
                    'lambda; the serial scheme is monotone to 1 and unstable above 2, the parallel one above 1')

@@ -103,7 +103,7 @@ def quantity(name, value, unit, meaning=""):
 
 
 def curve(name, x, y, x_unit, y_unit, label, kind, x_name="time", y_name=None, source=""):
-    """A curve, drawn where a figure names it. Points that are not finite are left out.
+    """A curve, drawn where a figure names it. A y that is not finite is a gap; such an x has no place and is left out.
 
     `kind` is computed, analytic, published or measured; `source` says where a published curve was published. Returns
     the name, so that a figure can be put together from what was made.
@@ -115,13 +115,13 @@ def curve(name, x, y, x_unit, y_unit, label, kind, x_name="time", y_name=None, s
     y = numpy.atleast_1d(numpy.asarray(y, dtype=numpy.float64))
     if x.ndim != 1 or x.shape != y.shape:
         raise ValueError("curve '%s': x has shape %s, y %s; two equal lists are needed" % (name, x.shape, y.shape))
-    finite = numpy.isfinite(x) & numpy.isfinite(y)
+    x, y = x[numpy.isfinite(x)], y[numpy.isfinite(x)]
     _curves[name] = {
         "kind": kind,
         "label": label,
         "source": source,
-        "x": {"name": x_name, "unit": x_unit, "values": x[finite].tolist()},
-        "y": {"name": y_name or name, "unit": y_unit, "values": y[finite].tolist()},
+        "x": {"name": x_name, "unit": x_unit, "values": x.tolist()},
+        "y": {"name": y_name or name, "unit": y_unit, "values": [v if math.isfinite(v) else None for v in y.tolist()]},
         "file": name + ".csv",
     }
     return name
@@ -194,8 +194,9 @@ def _plain(value):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
+    # A result that is not finite is said to be so: a comparison with it fails, where None is skipped.
     number = float(value)
-    return number if math.isfinite(number) else None
+    return number if math.isfinite(number) else str(number)
 
 
 def _text(attribute):

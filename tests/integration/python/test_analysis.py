@@ -132,7 +132,7 @@ class InterfaceTest(AnalysisTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         result = self.result()
         self.assertEqual(result["format"], 1)
-        self.assertEqual(result["quantities"]["bad"]["value"], [1, None, [None]])
+        self.assertEqual(result["quantities"]["bad"]["value"], [1, "nan", ["inf"]])
         self.assertEqual(result["curves"]["a"]["y"]["values"], [1 / 3, 2 / 3, 4 / 3])
         panel = result["figures"][0]["panels"][0]
         self.assertEqual((panel["x_label"], panel["x_unit"], panel["y_label"], panel["y_unit"]), ("time", "s", "a", "mm"))
@@ -142,12 +142,13 @@ class InterfaceTest(AnalysisTest):
             self.assertEqual(file.read(), "time [s],a [m]\n0.5,%r\n1.0,%r\n1.5,%r\n" % (1 / 3, 2 / 3, 4 / 3))
         self.assertEqual(sorted(os.listdir(self.work)), ["a.csv", "analysis.json"])
 
-    def test_points_that_are_not_finite_are_left_out(self):
+    def test_points_that_are_not_finite_are_gaps(self):
         done = self.run_script(
             self.START + self.CURVE % ("[1, 2, 3]", "[1, float('nan'), 3]", "computed") + "sandglass.finish()\n"
         )
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(self.result()["curves"]["a"]["x"]["values"], [1, 3])
+        curve = self.result()["curves"]["a"]
+        self.assertEqual((curve["x"]["values"], curve["y"]["values"]), ([1, 2, 3], [1, None, 3]))
 
     def test_a_script_that_does_not_finish_leaves_nothing(self):
         begin = self.START + self.CURVE % ("[1]", "[2]", "computed")

@@ -465,7 +465,12 @@ TEST(Timings, AddUp) {
   run(plan, {&fluid, &grains}, clock, kIgnoreBefore, [&](const Done& done) {
     EXPECT_THAT(done.timing.partners, ElementsAre(2.5, 0.75)) << "by their own account";
     EXPECT_EQ(done.timing.exchange, 0.5);
+    EXPECT_EQ(done.timing.working, 3.25) << "one waits for the other";
     EXPECT_EQ(done.timing.total, 4.5);
+  });
+  plan.scheme = Scheme::parallel_explicit;
+  run(plan, {&fluid, &grains}, clock, kIgnoreBefore, [&](const Done& done) {
+    EXPECT_EQ(done.timing.working, 2.5) << "the slower one is waited for";
   });
 }
 

@@ -116,7 +116,7 @@ TEST_F(Parameters, WrongDeclarationsAreRefusedInOnePass) {
                           "w.yaml:16:33: 'b c' cannot be a choice",
                           "w.yaml:17:14: 'n': 'true' is not a number",
                           "w.yaml:18:29: 'maximum' fits numbers and counts only",
-                          "w.yaml:19:6: 'parameters' must be a map"));
+                          "w.yaml:19:6: 'p' must be a map"));
 }
 
 TEST_F(Parameters, LimitsIncludeOrExcludeTheirEnds) {
