@@ -102,6 +102,15 @@ std::string read_file(const std::string& path) {
   return text;
 }
 
+void require_regular_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return;
+  if (std::filesystem::exists(path, error)) {
+    throw Error::usage(fmt::format("'{}' is not a regular file", path), "name a file");
+  }
+  throw Error::usage(fmt::format("there is no file '{}'", path), "check the path");
+}
+
 void write_file(const std::string& path, std::string_view text) {
   const std::string temporary = path + ".part";
   Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));

@@ -8,6 +8,10 @@ namespace sandglass {
 /// The whole file. Throws Error::environment when it cannot be read.
 std::string read_file(const std::string& path);
 
+/// Throws Error::usage when there is no such file, or it is no regular one (a folder, a device, a
+/// pipe: reading could wait, or go on, for ever).
+void require_regular_file(const std::string& path);
+
 /// Writes under another name, flushes to the disk, then renames: a reader (or a power cut) finds
 /// the old text or the new one, never a part. Throws Error::environment.
 void write_file(const std::string& path, std::string_view text);

@@ -15,8 +15,11 @@ void add_check(CLI::App& app, Session& session) {
   verb->callback([&session, options] {
     session.action = [options] {
       const workflow::Workflow workflow = options->load();
-      fmt::print("{}: well-formed; {} parameters, {} stages, {} participants\n", workflow.path,
-                 workflow.parameters.size(), workflow.stages.size(), workflow.participants.size());
+      fmt::print(
+          "{}: all is well; checked {} parameters, {} stages, {} participants and their "
+          "templates\n",
+          workflow.path, workflow.parameters.size(), workflow.stages.size(),
+          workflow.participants.size());
       return ExitCode::done;
     };
   });

@@ -32,9 +32,10 @@ CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& de
 
 void WorkflowOptions::add_to(CLI::App& verb) {
   verb.add_option("file", file, "the workflow (YAML)")->required()->type_name("FILE");
-  verb.add_option("--set", settings,
-                  "override a parameter: a number with a unit (a bare number is SI), true or false, "
-                  "or a name from the parameter's list")
+  verb.add_option(
+          "--set", settings,
+          "override a parameter: a number with a unit (a bare number is SI), true or false, "
+          "or a name from the parameter's list")
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->take_all();

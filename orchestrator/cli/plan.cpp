@@ -6,6 +6,7 @@
 #include "cli/cli.hpp"
 #include "cli/terminal.hpp"
 #include "run/solvers.hpp"
+#include "workflow/json.hpp"
 
 namespace sandglass::cli {
 namespace {
@@ -25,9 +26,7 @@ void show_stages(const workflow::Workflow& workflow) {
 
 void show_coupling(const workflow::Workflow& workflow) {
   const workflow::Coupling& coupling = *workflow.coupling;
-  fmt::print("\nCoupling: {}, {} windows of {}, order {}\n",
-             coupling.scheme == workflow::Scheme::serial_explicit ? "serial-explicit"
-                                                                  : "parallel-explicit",
+  fmt::print("\nCoupling: {}, {} windows of {}, order {}\n", workflow::name_of(coupling.scheme),
              coupling.windows, time_text(coupling.window), fmt::join(coupling.order, ", "));
   for (const workflow::Participant& one : workflow.participants) {
     fmt::print("  {:12} {}, {}, {} thread{}, {}\n", one.name, run::solver_name(one.solver),

@@ -39,7 +39,8 @@ ExitCode execute(const std::string& name) {
   const run::Home home = run::Home::find();
   const std::vector<std::string> names = optional_solvers(home);
   if (std::find(names.begin(), names.end(), name) == names.end()) {
-    throw Error::usage(fmt::format("no optional solver is named '{}'", name), suggestion(name, names));
+    throw Error::usage(fmt::format("no optional solver is named '{}'", name),
+                       suggestion(name, names));
   }
   const std::string folder = home.root + "/.build/solvers/" + name;
   const std::string requirements = home.templates() + "/" + name + "/requirements.txt";

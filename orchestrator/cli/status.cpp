@@ -24,9 +24,10 @@ std::string status_text(const std::string& run) {
   }
   if (fs::exists(run + "/result.json")) {
     const report::Result result = report::read_result(run);
-    return fmt::format("{}, {} windows, {}{}", result.status, result.windows,
-                       duration_text(result.wall_time_s.value_or(0)),
-                       result.error.empty() ? "" : ": " + result.error.substr(0, result.error.find('\n')));
+    return fmt::format(
+        "{}, {} windows, {}{}", result.status, result.windows,
+        duration_text(result.wall_time_s.value_or(0)),
+        result.error.empty() ? "" : ": " + result.error.substr(0, result.error.find('\n')));
   }
   const run::Progress progress = run::read_status(run + "/status.json");
   return fmt::format("ended without a result (killed?) in {}, window {} of {}", progress.stage,

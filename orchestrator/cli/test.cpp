@@ -15,12 +15,13 @@ namespace {
 ExitCode execute(const std::vector<std::string>& more) {
   const std::string program = find_program("ctest");
   if (program.empty()) throw Error::environment("ctest is not there", "apt-get install cmake");
-  std::vector<std::string> arguments = {"ctest",
-                                        "--test-dir",
-                                        run::Home::find().build,
-                                        "--output-on-failure",
-                                        "--parallel",
-                                        std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
+  std::vector<std::string> arguments = {
+      "ctest",
+      "--test-dir",
+      run::Home::find().build,
+      "--output-on-failure",
+      "--parallel",
+      std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
   arguments.insert(arguments.end(), more.begin(), more.end());
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -37,9 +38,8 @@ void add_test(CLI::App& app, Session& session) {
                             "  sandglass test -L unit\n"
                             "  sandglass test -R stokes --verbose");
   verb->prefix_command();
-  verb->callback([&session, verb] {
-    session.action = [verb] { return execute(verb->remaining()); };
-  });
+  verb->callback(
+      [&session, verb] { session.action = [verb] { return execute(verb->remaining()); }; });
 }
 
 }  // namespace sandglass::cli

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "coupling/relaxation.hpp"
+#include "coupling/scheme.hpp"
+#include "coupling/stability.hpp"
 
 /// Windows, schemes and their order: arithmetic over interfaces, without files and processes.
 namespace sandglass::coupling {
@@ -50,19 +53,27 @@ struct Field {
       transform;
   Shape received_shape;
   double initial = 0;  ///< every value before the sender has spoken
+  /// What is received is relaxed: the unknown of the iteration, when there is one.
+  bool relaxed = false;
 };
 inline constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
-
-enum class Scheme {
-  serial_explicit,   ///< one after the other, each with the newest values (Gauss-Seidel)
-  parallel_explicit  ///< all at once, with the values of the window before (Jacobi)
-};
 
 struct Plan {
   Scheme scheme = Scheme::serial_explicit;
   double window = 0;         ///< s
   std::int64_t windows = 0;  ///< how many
   std::vector<Field> fields;
+  Acceleration acceleration = Acceleration::none;
+  double relaxation = 1;     ///< w, or the first w
+  double tolerance = 1e-10;  ///< of serial_implicit: residual over value, both as 2-norms
+  std::int64_t most_iterations = 50;
+  StabilityLimits stability;
+};
+
+/// A field that swings from window to window although the run did not diverge.
+struct Oscillation {
+  std::string field;
+  Finding finding;
 };
 
 /// Where the time of one window went, in seconds.
@@ -90,10 +101,12 @@ struct Done {
 
 /// Runs all windows of the plan. Calls `before` ahead of and `after` behind each. Throws
 /// Error::participant for an array of the wrong shape, Error::unstable for a value that is not
-/// finite, each naming participant, field and window, and passes on what partners throw. Everything
-/// handed to `after` until then is whole.
-void run(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock,
-         const std::function<void(std::int64_t window)>& before,
-         const std::function<void(const Done&)>& after);
+/// finite, a field that diverges, or an iteration that does not converge, each naming participant,
+/// field and window, and passes on what partners throw. Everything handed to `after` until then is
+/// whole. Returns what oscillated without diverging.
+std::vector<Oscillation> run(const Plan& plan, const std::vector<Partner*>& partners,
+                             const Clock& clock,
+                             const std::function<void(std::int64_t window)>& before,
+                             const std::function<void(const Done&)>& after);
 
 }  // namespace sandglass::coupling

@@ -48,16 +48,18 @@ Error Participant::failure(const std::string& what, const std::string& remedy) c
   if (window.index > 0) where += fmt::format(", window {}", window.index);
   const std::string lines = last_lines(description_.command.log);
   std::string text = fmt::format("participant {} {}", where, what);
-  if (!lines.empty())
+  if (!remedy.empty()) text += "; " + remedy;
+  if (!lines.empty()) {
     text += fmt::format("\nlast lines of {}:\n{}", description_.command.log, lines);
-  return Error::participant(text, remedy);
+  }
+  return Error::participant(text);
 }
 
 void Participant::start() {
   child_ = std::make_unique<Child>(description_.name, description_.command, true);
   watch_.add(child_.get());
   unread_.clear();
-  asked_ = "to be set up";
+  asked_.clear();
 }
 
 void Participant::wait_until_ready() {
@@ -187,9 +189,8 @@ void Participant::say(const std::string& line) {
   // One answer too many would be taken for the answer to this.
   child_->read_replies(unread_);
   if (const auto unasked = next_answer()) {
-    throw failure(
-        fmt::format("said '{}' without being asked, after its answer to '{}'", *unasked, asked_),
-        "see the participant protocol in templates/README.md");
+    throw failure(fmt::format("said '{}' without being asked", *unasked),
+                  "see the participant protocol in templates/README.md");
   }
   asked_ = line;
   // A participant that has gone is found, with its exit status, while waiting for the answer.
@@ -246,8 +247,10 @@ std::string Participant::hear() {
     looks = kLooks - 1;
     if (outcome.event == Watch::Event::ready) continue;
     if (outcome.event == Watch::Event::late) {
-      throw failure(fmt::format("did not answer '{}' within its deadline of {} s", asked_,
-                                description_.deadline),
+      throw failure(asked_.empty() ? fmt::format("did not get ready within its deadline of {} s",
+                                                 description_.deadline)
+                                   : fmt::format("did not answer '{}' within its deadline of {} s",
+                                                 asked_, description_.deadline),
                     "raise its 'deadline' in the workflow, or see its log for what holds it up");
     }
     if (outcome.child == child_.get()) {
@@ -255,15 +258,18 @@ std::string Participant::hear() {
       if (open) open = child_->read_replies(unread_);
       if (unread_.find('\n') != std::string::npos) continue;
       const auto ended = child_->poll_exit();
-      throw failure(fmt::format("ended by itself ({}) when asked '{}'",
-                                ended ? ended->text() : "unknown status", asked_));
+      const std::string how = ended ? ended->text() : "unknown status";
+      if (asked_.empty()) throw failure(fmt::format("did not get ready: it ended with {}", how));
+      throw failure(fmt::format("ended by itself ({}) when asked '{}'", how, asked_));
     }
     const auto ended = outcome.child->poll_exit();
     const std::string lines = last_lines(outcome.child->log());
+    const std::int64_t window = slot_.window().index;
     throw Error::participant(fmt::format(
-        "participant {}, window {} ended by itself ({}) while {} was at work{}",
-        outcome.child->name(), slot_.window().index, ended ? ended->text() : "unknown status",
-        description_.name,
+        "participant {} ended by itself ({}) {}{}", outcome.child->name(),
+        ended ? ended->text() : "unknown status",
+        window > 0 ? fmt::format("in window {}, while {} was at work", window, description_.name)
+                   : "before all were ready",
         lines.empty() ? "" : "\nlast lines of " + outcome.child->log() + ":\n" + lines));
   }
 }

@@ -41,7 +41,8 @@ std::vector<std::string> environment_of(const Command& command, bool conversatio
   for (char** entry = environ; *entry != nullptr; ++entry) {
     if (!set_anew(*entry)) entries.emplace_back(*entry);
   }
-  for (const auto& [name, value] : command.environment) entries.push_back(name + "=" + value);
+  for (const auto& [name, value] : command.environment)
+    entries.push_back(fmt::format("{}={}", name, value));
   if (conversation) {
     entries.push_back(fmt::format("SANDGLASS_COMMANDS={}", kCommandsInChild));
     entries.push_back(fmt::format("SANDGLASS_REPLIES={}", kRepliesInChild));
@@ -174,9 +175,9 @@ Child::Child(std::string name, const Command& command, bool conversation)
     : name_(std::move(name)), log_(command.log) {
   const std::string found = find_program(command.arguments.at(0));
   if (found.empty()) {
-    throw Error::environment(
-        fmt::format("{}: the program '{}' is not there", name_, command.arguments.at(0)),
-        "run './sandglass doctor' to see what is missing and how to get it");
+    throw Error::environment(fmt::format("{}: the program '{}' is not there or cannot be executed",
+                                         name_, command.arguments.at(0)),
+                             "run './sandglass doctor' to see what is missing and how to get it");
   }
   // It is executed in another directory than it was found in.
   const std::string program = std::filesystem::absolute(found).string();

@@ -22,8 +22,9 @@ Exit run_to_end(const std::string& who, const Command& command, double deadline)
   if (outcome.event == Watch::Event::late) {
     child.kill();
     throw Error::participant(
-        fmt::format("{} did not end within its deadline of {} s{}", who, deadline, log()),
-        "give it a longer deadline in the workflow, or less to do");
+        fmt::format("{} did not end within its deadline of {} s; give it a longer deadline in the "
+                    "workflow, or less to do{}",
+                    who, deadline, log()));
   }
   const Exit ended = child.poll_exit().value_or(Exit{true, 9, 0});
   if (!ended.good()) {

@@ -41,7 +41,9 @@ Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField
       planned_(windows),
       fields_(std::move(fields)),
       timing_columns_(std::move(timing_columns)) {
-  hdf5::File file(path_, hdf5::File::Mode::create);
+  // Made under another name: whoever looks finds no record or a whole one.
+  const std::string temporary = path_ + ".part";
+  hdf5::File file(temporary, hdf5::File::Mode::create);
   describe(file);
   const auto reserve = [&](const std::string& name, hdf5::Type type, const hdf5::Shape& shape) {
     const hdf5::Location at = file.reserve(name, type, with_windows(windows, shape));
@@ -60,6 +62,9 @@ Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField
     describe_field(file, field);
   }
   file.close();
+  if (std::rename(temporary.c_str(), path_.c_str()) != 0) {
+    throw_system_error("rename", temporary, errno);
+  }
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw_system_error("open the record", path_, errno);
 }

@@ -48,7 +48,7 @@ std::string next_numbered(const std::string& runs, const std::string& name) {
       runs, [&](const std::string& entry) { highest = std::max(highest, number_of(entry, name)); });
   // Another process may take the same number at the same moment: making the folder decides.
   for (int number = highest + 1;; ++number) {
-    const std::string path = fmt::format("{}/{}-{:04}", runs, name, number);
+    std::string path = fmt::format("{}/{}-{:04}", runs, name, number);
     std::error_code error;
     if (std::filesystem::create_directory(path, error)) return path;
     if (error) throw_system_error("make the folder", path, error.value());
@@ -57,7 +57,7 @@ std::string next_numbered(const std::string& runs, const std::string& name) {
 
 }  // namespace
 
-RunDirectory::RunDirectory(std::string path)
+RunDirectory::RunDirectory(const std::string& path)
     : path_(std::filesystem::absolute(path).lexically_normal().string()) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
 }

@@ -39,7 +39,7 @@ class RunDirectory {
   [[nodiscard]] std::string folder(const std::string& name) const;
 
  private:
-  explicit RunDirectory(std::string path);
+  explicit RunDirectory(const std::string& path);
   void lock();
 
   std::string path_;

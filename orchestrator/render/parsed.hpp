@@ -36,4 +36,13 @@ struct Template::Parsed {
   }
 };
 
+namespace render {
+
+/// A name as it may stand in a message: names of 10 kB are legal.
+inline std::string shown(const std::string& name) {
+  constexpr std::size_t longest = 60;
+  return name.size() <= longest ? name : name.substr(0, longest) + "...";
+}
+
+}  // namespace render
 }  // namespace sandglass

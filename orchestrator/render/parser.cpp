@@ -49,12 +49,6 @@ std::string ending_of(const std::string& path) {
   return dot == path.npos || path[dot] == '/' ? "" : path.substr(dot);
 }
 
-/// A name as it may stand in a message: names of 10 kB are legal.
-std::string shown(const std::string& name) {
-  constexpr std::size_t longest = 60;
-  return name.size() <= longest ? name : name.substr(0, longest) + "...";
-}
-
 }  // namespace
 
 Parser::Parser(std::string path, Language language, const Read& read)

@@ -20,12 +20,6 @@ std::vector<std::string> keys(const Value::Map& map) {
   return names;
 }
 
-/// A name as it may stand in a message: names of 10 kB are legal.
-std::string shown(const std::string& name) {
-  constexpr std::size_t longest = 60;
-  return name.size() <= longest ? name : name.substr(0, longest) + "...";
-}
-
 bool is_text(const Value& value) {
   return value.as<std::string>() != nullptr || value.as<Value::Choice>() != nullptr;
 }

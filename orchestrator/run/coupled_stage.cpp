@@ -110,16 +110,18 @@ std::vector<exchange::FieldLayout> layouts(const workflow::Coupling& coupling,
 
 coupling::Plan plan_of(const workflow::Coupling& coupling) {
   coupling::Plan plan;
-  plan.scheme = coupling.scheme == workflow::Scheme::parallel_explicit
-                    ? coupling::Scheme::parallel_explicit
-                    : coupling::Scheme::serial_explicit;
+  plan.scheme = coupling.scheme;
+  plan.acceleration = coupling.acceleration;
+  plan.relaxation = coupling.relaxation;
+  plan.tolerance = coupling.tolerance;
+  plan.most_iterations = coupling.iterations;
+  plan.stability = coupling.stability;
   plan.window = coupling.window;
   plan.windows = coupling.windows;
   const auto number = [&](const std::string& name) {
     const auto found = std::find(coupling.order.begin(), coupling.order.end(), name);
-    return found == coupling.order.end()
-               ? coupling::kNobody
-               : static_cast<std::size_t>(found - coupling.order.begin());
+    return found == coupling.order.end() ? coupling::kNobody
+                                         : static_cast<std::size_t>(found - coupling.order.begin());
   };
   for (const workflow::Field& field : coupling.fields) {
     coupling::Field planned;
@@ -130,6 +132,7 @@ coupling::Plan plan_of(const workflow::Coupling& coupling) {
     planned.to = number(field.to);
     planned.received_shape = field.received_shape;
     planned.initial = field.initial;
+    planned.relaxed = field.relaxed;
     if (field.transform != workflow::Transform::identity) {
       const auto transform = field.transform;
       const auto samples = field.samples;
@@ -181,7 +184,23 @@ class CoupledRun {
     for (std::size_t p = 0; p < participants_.size(); ++p) {
       if (!fresh_[p]) participants_[p]->wait_until_ready();
     }
+    require_abilities();
     outcome_.start_seconds = clock_.now() - start;
+  }
+
+  /// A scheme that repeats windows needs participants that can go back.
+  void require_abilities() const {
+    if (coupling_.scheme != workflow::Scheme::serial_implicit) return;
+    for (std::size_t p = 0; p < participants_.size(); ++p) {
+      const auto& abilities = participants_[p]->abilities();
+      if (!fresh_[p] && (abilities.contains("memory") || abilities.contains("stateless"))) continue;
+      throw Error::refused(
+          coupling_.place,
+          fmt::format("scheme serial-implicit repeats windows, but participant '{}' {}",
+                      participants_[p]->name(),
+                      fresh_[p] ? "is fresh in every window" : "cannot save and restore its state"),
+          "use an explicit scheme, or a resident participant with the ability 'memory'");
+    }
   }
 
   void add(const std::string& name) {
@@ -238,13 +257,20 @@ class CoupledRun {
     std::vector<coupling::Partner*> partners;
     for (auto& partner : partners_) partners.push_back(partner.get());
     const double start = clock_.now();
-    coupling::run(
+    const auto swinging = coupling::run(
         plan_of(coupling_), partners, clock_, [&](std::int64_t index) { use_scripts(index); },
         [&](const coupling::Done& done) {
           append(done);
           outcome_.loop_seconds = clock_.now() - start;
           progress(done.window, done.end);
         });
+    for (const coupling::Oscillation& one : swinging) {
+      outcome_.notes.push_back(
+          fmt::format("coupling: field '{}' oscillates from window to window: its change {}; a "
+                      "shorter window or "
+                      "under-relaxation removes this",
+                      one.field, one.finding.text()));
+    }
   }
 
   void use_scripts(std::int64_t index) {
@@ -264,8 +290,8 @@ class CoupledRun {
     row.end = done.end;
     row.iterations = done.iterations;
     for (const std::size_t f : recorded_) {
-      row.fields.push_back({done.fields[f].values,
-                            done.fields[f].shape.empty() ? 1 : done.fields[f].shape[0]});
+      row.fields.push_back(
+          {done.fields[f].values, done.fields[f].shape.empty() ? 1 : done.fields[f].shape[0]});
     }
     row.timings = done.timing.partners;
     outcome_.working_seconds += done.timing.working;

@@ -16,10 +16,10 @@ namespace sandglass::run {
 
 /// What the coupling leaves behind besides its record, whole or not.
 struct CoupledOutcome {
-  std::int64_t windows = 0;  ///< complete, all of them recorded
-  double time = 0;           ///< physical time reached, s
-  double start_seconds = 0;  ///< until all participants were ready
-  double loop_seconds = 0;   ///< all windows together
+  std::int64_t windows = 0;                           ///< complete, all of them recorded
+  double time = 0;                                    ///< physical time reached, s
+  double start_seconds = 0;                           ///< until all participants were ready
+  double loop_seconds = 0;                            ///< all windows together
   std::map<std::string, double> participant_seconds;  ///< work in windows, by their own account
   std::map<std::string, double> peak_memory_bytes;
   double working_seconds = 0;  ///< of the loop, what it waited for participants' own work

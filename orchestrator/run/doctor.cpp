@@ -49,7 +49,7 @@ const std::vector<Trial>& trials() {
   static const std::vector<Trial> all = {
       {"yade", "trial.py",
        "O.bodies.append(sphere((0, 0, 0), 1e-3))\n"
-       "O.engines = [ForceResetter(), NewtonIntegrator(gravity=(0, 0, -10))]\n"
+       "O.engines = [ForceResetter(), NewtonIntegrator(damping=0, gravity=(0, 0, -10))]\n"
        "O.dt = 1e-3\n"
        "O.step()\n"
        "O.step()\n"
@@ -122,8 +122,8 @@ Finding run_trial(const Home& home, const Trial& trial, const std::string& folde
 }
 
 Finding check_exchange(const std::string& folder) {
-  Finding finding{"exchange", "memory-mapped HDF5 files", false, false, hdf5::library_version(),
-                  {}, "use a local disk for --out", 0};
+  Finding finding{"exchange", "memory-mapped HDF5 files",   false, false, hdf5::library_version(),
+                  {},         "use a local disk for --out", 0};
   try {
     exchange::Slot slot(folder + "/slot.h5", "doctor", {{"field", "1", {3}, false}}, {}, true);
     const std::vector<double> values = {1, 2, 3};

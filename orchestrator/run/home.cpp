@@ -17,9 +17,9 @@ Home Home::find() {
   home.build = program.parent_path().string();
   if (const char* set = std::getenv("SANDGLASS_HOME"); set != nullptr && *set != '\0') {
     if (!complete(set)) {
-      throw Error::environment("SANDGLASS_HOME is '" + std::string(set) +
-                                   "', which has no templates/ and data/",
-                               "unset it, or set it to the folder of the checkout");
+      throw Error::environment(
+          "SANDGLASS_HOME is '" + std::string(set) + "', which has no templates/ and data/",
+          "unset it, or set it to the folder of the checkout");
     }
     home.root = fs::absolute(set).lexically_normal().string();
     return home;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <future>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,10 @@
 namespace sandglass::run {
 namespace {
 
+/// Room on the disk for the result, kept free until the end: a full disk must not cost it.
+constexpr const char* kReserve = "reserve";
+constexpr std::size_t kReserveBytes = 262144;
+
 /// The names of the solvers that a workflow needs, each once.
 std::set<std::string> solvers_of(const workflow::Workflow& workflow) {
   std::set<std::string> names;
@@ -40,7 +45,8 @@ std::set<std::string> solvers_of(const workflow::Workflow& workflow) {
   return names;
 }
 
-std::vector<record::UsedProgram> identify_all(const Home& home, const std::set<std::string>& names) {
+std::vector<record::UsedProgram> identify_all(const Home& home,
+                                              const std::set<std::string>& names) {
   std::vector<record::UsedProgram> used;
   for (const std::string& name : names) used.push_back(identify_solver(home, name));
   return used;
@@ -57,6 +63,7 @@ class Run {
         scripts_(home.templates(), directory_.folder("scripts")),
         status_(directory_.file("status.json"), status) {
     started_date_ = date_and_time();
+    write_file(directory_.file(kReserve), std::string(kReserveBytes, '0'));
     progress_.name = std::filesystem::path(directory_.path()).filename().string();
   }
 
@@ -115,18 +122,17 @@ class Run {
     const double start = clock_.now();
     progress_.windows = workflow_.coupling->windows;
     progress_.end = static_cast<double>(progress_.windows) * workflow_.coupling->window;
-    run_coupling(workflow_, home_, directory_, scripts_, outcome_,
-                 [&](std::int64_t window, double time) {
-                   const double now = clock_.now();
-                   progress_.window = window;
-                   progress_.time = time;
-                   progress_.elapsed = now - started_;
-                   progress_.rate = static_cast<double>(window) /
-                                    std::max(1e-9, now - start - outcome_.start_seconds);
-                   progress_.left =
-                       static_cast<double>(progress_.windows - window) / progress_.rate;
-                   status_.window(progress_);
-                 });
+    run_coupling(
+        workflow_, home_, directory_, scripts_, outcome_, [&](std::int64_t window, double time) {
+          const double now = clock_.now();
+          progress_.window = window;
+          progress_.time = time;
+          progress_.elapsed = now - started_;
+          progress_.rate =
+              static_cast<double>(window) / std::max(1e-9, now - start - outcome_.start_seconds);
+          progress_.left = static_cast<double>(progress_.windows - window) / progress_.rate;
+          status_.window(progress_);
+        });
   }
 
   /// Quantities and comparisons; the verdict.
@@ -148,19 +154,21 @@ class Run {
     std::string text;
     for (const report::ComparisonResult& one : result_.comparisons) {
       if (!one.passed || *one.passed) continue;
-      if (!text.empty()) text += '\n';
-      text += fmt::format("comparison '{}': {} is {}, tolerance {} ({})", one.name, one.metric,
-                          one.value ? shortest(*one.value) : "not defined", one.tolerance,
-                          one.because);
+      const bool defined = one.value && std::isfinite(*one.value);
+      text += fmt::format("\n  '{}': its {} is {}, the tolerance {} ({})", one.name, one.metric,
+                          defined ? shortest(*one.value) : "not a finite number",
+                          shortest(one.tolerance), one.because);
     }
-    return text;
+    return "out of tolerance:" + text;
   }
 
   /// Writes what is to be kept, whatever happened before.
   void close(Ended& ended) {
+    std::error_code ignored;
+    std::filesystem::remove(directory_.file(kReserve), ignored);
     result_.windows = outcome_.windows;
     if (outcome_.windows > 0) result_.overhead_s_per_window = outcome_.overhead_per_window();
-    add_left_out();
+    if (outcome_.windows > 0) add_left_out();
     for (const std::string& note : outcome_.notes) add_note(note);
     result_.wall_time_s = clock_.now() - started_;
     try {
@@ -242,22 +250,23 @@ class Run {
     json["templates"] = record::to_json(scripts_.template_files());
     json["scripts"] = nlohmann::json::array();
     for (const Scripts::Stored& stored : scripts_.stored()) {
-      json["scripts"].push_back({{"participant", stored.whose},
-                                 {"template", stored.template_path},
-                                 {"path", "scripts/" + std::filesystem::path(stored.path).filename().string()},
-                                 {"digest", stored.digest}});
+      json["scripts"].push_back(
+          {{"participant", stored.whose},
+           {"template", stored.template_path},
+           {"path", "scripts/" + std::filesystem::path(stored.path).filename().string()},
+           {"digest", stored.digest}});
     }
     json["data"] = record::to_json(data_files());
     json["environment"] = record::describe_environment();
-    json["timings"] = {{"participants", outcome_.participant_seconds},
-                       {"exchange", outcome_.exchange_seconds},
-                       {"record", outcome_.record_seconds},
-                       {"render", scripts_.seconds()},
-                       {"orchestrator", outcome_.overhead_per_window() *
-                                            static_cast<double>(outcome_.windows)},
-                       {"start", outcome_.start_seconds},
-                       {"stages", stage_seconds_},
-                       {"report", report_seconds_}};
+    json["timings"] = {
+        {"participants", outcome_.participant_seconds},
+        {"exchange", outcome_.exchange_seconds},
+        {"record", outcome_.record_seconds},
+        {"render", scripts_.seconds()},
+        {"orchestrator", outcome_.overhead_per_window() * static_cast<double>(outcome_.windows)},
+        {"start", outcome_.start_seconds},
+        {"stages", stage_seconds_},
+        {"report", report_seconds_}};
     for (const auto& [name, bytes] : outcome_.peak_memory_bytes) peak_memory_[name] = bytes;
     json["peak_memory_bytes"] = peak_memory_;
     write_file(directory_.file("provenance.json"), json.dump(1) + "\n");
@@ -318,9 +327,11 @@ std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Ho
     if (path.empty()) return;
     const Template& parsed = scripts.get(path);
     Value::Map values = values_of(given, "RUN", home.data());
-    if (!whole) std::erase_if(values, [&](const auto& one) { return !parsed.names().contains(one.first); });
+    if (!whole)
+      std::erase_if(values, [&](const auto& one) { return !parsed.names().contains(one.first); });
     if (parsed.names().contains("window") && !values.contains("window")) {
-      values["window"] = Value::Map{{"index", 1}, {"begin", 0.0}, {"end", workflow.coupling->window}};
+      values["window"] =
+          Value::Map{{"index", 1}, {"begin", 0.0}, {"end", workflow.coupling->window}};
     }
     rendered.push_back({whose, path, parsed.render(values).size()});
   };

@@ -31,7 +31,8 @@ struct Ended {
 Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
               Status& status);
 
-/// Renders every script of the workflow without storing or starting anything. Throws Error::refused.
+/// Renders every script of the workflow without storing or starting anything. Throws
+/// Error::refused.
 struct RenderedScript {
   std::string whose;
   std::string template_path;

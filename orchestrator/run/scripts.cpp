@@ -25,10 +25,13 @@ std::string Scripts::render(const std::string& whose, const std::string& templat
   std::string path;
   if (!folder_.empty()) {
     const std::string digest = digest_of_text(text);
-    const std::string ending = std::filesystem::path(template_path).extension().string();
-    std::string& stored = path_of_text_[digest + ending];
+    // The name says to a reader of messages which template it came from.
+    const std::filesystem::path source(template_path);
+    const std::string name =
+        source.stem().string() + "-" + digest.substr(0, 16) + source.extension().string();
+    std::string& stored = path_of_name_[name];
     if (stored.empty()) {
-      stored = folder_ + "/" + digest.substr(0, 16) + ending;
+      stored = folder_ + "/" + name;
       write_file(stored, text);
       stored_.push_back({whose, template_path, stored, digest});
     }

@@ -10,7 +10,8 @@
 
 namespace sandglass::run {
 
-/// Templates rendered for one run. Each text is stored once, under its digest, in scripts/.
+/// Templates rendered for one run. Each text is stored once, under the name of its template
+/// and its digest, in scripts/.
 class Scripts {
  public:
   /// `folder` is the run's scripts/; empty: render without storing (a dry run).
@@ -39,7 +40,7 @@ class Scripts {
   std::string root_;
   std::string folder_;
   std::map<std::string, Template> templates_;
-  std::map<std::string, std::string> path_of_text_;  ///< by digest and ending
+  std::map<std::string, std::string> path_of_name_;  ///< by template and digest
   std::vector<Stored> stored_;
   double seconds_ = 0;
 };

@@ -44,7 +44,8 @@ const std::vector<SolverInfo>& solvers() {
       {"yade", "yade", "yade", "discrete elements"},
       {"freefem", "FreeFem++", "freefem++", "continua"},
       {"gmsh", "gmsh", "gmsh", "meshes"},
-      {"python", kPython, "python3", "mesh conversion (meshio), analysis (h5py), figures (matplotlib)"}};
+      {"python", kPython, "python3",
+       "mesh conversion (meshio), analysis (h5py), figures (matplotlib)"}};
   return all;
 }
 

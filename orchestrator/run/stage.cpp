@@ -14,8 +14,8 @@ namespace {
 /// FreeFEM exits with status 0 on singular matrices too: a script says when it is content.
 constexpr const char* kFinished = "sandglass: finished";
 
-/// The stored script under the stage's own name in its work directory: gmsh takes paths as relative to
-/// its script, and messages name something readable.
+/// The stored script under the stage's own name in its work directory: gmsh takes paths as relative
+/// to its script, and messages name something readable.
 std::string linked(const std::string& script, const std::string& directory,
                    const std::string& name) {
   namespace fs = std::filesystem;
@@ -28,8 +28,8 @@ std::string linked(const std::string& script, const std::string& directory,
 
 [[noreturn]] void fail(const workflow::Stage& stage, const std::string& log,
                        const std::string& what) {
-  throw Error::participant(fmt::format("stage {} {}\nlast lines of {}:\n{}", stage.name, what, log,
-                                       last_lines(log)));
+  throw Error::participant(
+      fmt::format("stage {} {}\nlast lines of {}:\n{}", stage.name, what, log, last_lines(log)));
 }
 
 }  // namespace

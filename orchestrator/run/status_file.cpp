@@ -41,7 +41,10 @@ void StatusFile::write(const Progress& progress) {
                                {"left_s", progress.left}};
   // Not flushed to the disk: it is worth nothing after a power cut, and it is written often.
   const std::string temporary = path_ + ".part";
-  std::ofstream(temporary) << json.dump(1) << '\n';
+  std::ofstream file(temporary);
+  file << json.dump(1) << '\n';
+  file.close();
+  if (!file) return;  // a full disk: the last status stays
   static_cast<void>(std::rename(temporary.c_str(), path_.c_str()));
 }
 

@@ -100,6 +100,7 @@ std::vector<Declared> declared_in(const Context& context, const std::string& sec
 
 std::vector<std::string> names_of(const std::vector<Declared>& declared) {
   std::vector<std::string> names;
+  names.reserve(declared.size());
   for (const Declared& each : declared) names.push_back(each.name);
   return names;
 }

@@ -47,6 +47,10 @@ struct Declared {
   const Node* node = nullptr;
 };
 
+/// So many stages and so many participants at most: with the cases of up to 50 choices each, a file
+/// could ask for any amount of checking.
+constexpr size_t most_declared = 100;
+
 /// The maps of a section, by name; what is not a map is passed over.
 std::vector<Declared> declared_in(const Context& context, const std::string& section);
 std::vector<std::string> names_of(const std::vector<Declared>& declared);

@@ -207,6 +207,69 @@ void read_fields(const Context& context, const Section& section, const Order& or
   }
 }
 
+Scheme scheme_of(const std::string& name) {
+  if (name == "parallel-explicit") return Scheme::parallel_explicit;
+  return name == "serial-implicit" ? Scheme::serial_implicit : Scheme::serial_explicit;
+}
+
+Acceleration acceleration_of(const std::string& name) {
+  if (name == "constant") return Acceleration::constant;
+  return name == "aitken" ? Acceleration::aitken : Acceleration::none;
+}
+
+void read_scheme(const Context& context, const Section& section, Coupling& coupling) {
+  coupling.scheme = scheme_of(section.text("scheme"));
+  coupling.acceleration = acceleration_of(section.text("acceleration"));
+  if (coupling.acceleration != Acceleration::none) {
+    coupling.relaxation = section.number("relaxation", 0.5);
+  }
+  coupling.tolerance = section.number("tolerance", coupling.tolerance);
+  coupling.iterations = section.count("iterations", coupling.iterations);
+  if (coupling.acceleration == Acceleration::aitken && coupling.scheme != Scheme::serial_implicit) {
+    context.problems.add(section.place("acceleration"),
+                         "Aitken's factor needs iterations within a window",
+                         "use scheme serial-implicit, or acceleration constant");
+  }
+  const Node* stability = section.find("stability");
+  if (!stability || stability->kind != Node::Kind::map) return;
+  const Section limits(*stability, object("stability"), context.scope);
+  if (limits.find("watch")) coupling.stability.active = limits.toggle("watch");
+  coupling.stability.growth = limits.number("growth", coupling.stability.growth);
+}
+
+/// Which fields are the unknowns of the iteration: those named, else those that go back to a
+/// participant that has run already.
+void mark_relaxed(const Context& context, const Section& section, const Order& order,
+                  Coupling& coupling) {
+  const bool needed =
+      coupling.scheme == Scheme::serial_implicit || coupling.acceleration != Acceleration::none;
+  const std::vector<std::string> named = section.texts("relax");
+  for (const std::string& name : named) {
+    const bool known = std::any_of(coupling.fields.begin(), coupling.fields.end(),
+                                   [&](const Field& field) { return field.name == name; });
+    if (!known) {
+      std::vector<std::string> names;
+      for (const Field& field : coupling.fields) names.push_back(field.name);
+      context.problems.unknown(section.place("relax"), "there is no field", name, names);
+    }
+  }
+  if (!needed) return;
+  bool any = false;
+  const auto position = [&](const std::string& name) {
+    return std::find(order.running.begin(), order.running.end(), name);
+  };
+  for (Field& field : coupling.fields) {
+    if (field.to.empty()) continue;
+    field.relaxed = section.find("relax") ? contains(named, field.name)
+                                          : position(field.to) < position(field.from);
+    any = any || field.relaxed;
+  }
+  if (!any && !coupling.fields.empty()) {
+    context.problems.add(section.place("scheme"), "there is no field to iterate on or to relax",
+                         "name one under 'relax', or use an explicit scheme without acceleration");
+  }
+}
+
 }  // namespace
 
 void read_coupling(const Context& context, Workflow& workflow) {
@@ -215,8 +278,7 @@ void read_coupling(const Context& context, Workflow& workflow) {
   const Section section(*node, object("coupling"), context.scope);
   Coupling coupling;
   coupling.place = context.scope.at(*node);
-  coupling.scheme = section.text("scheme") == "parallel-explicit" ? Scheme::parallel_explicit
-                                                                  : Scheme::serial_explicit;
+  read_scheme(context, section, coupling);
   coupling.transport = section.text("exchange") == "file" ? Transport::file : Transport::mapped;
   read_windows(context, section, coupling);
   const Order order = read_order(context, section, workflow);
@@ -228,6 +290,7 @@ void read_coupling(const Context& context, Workflow& workflow) {
   }
   coupling.order = order.running;
   read_fields(context, section, order, coupling);
+  mark_relaxed(context, section, order, coupling);
   workflow.coupling = std::move(coupling);
 }
 

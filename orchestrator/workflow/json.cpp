@@ -79,20 +79,27 @@ Json to_json(const Field& field) {
           {"samples", field.samples},
           {"received_shape", field.received_shape},
           {"initial", field.initial},
-          {"recorded", field.recorded}};
+          {"recorded", field.recorded},
+          {"relaxed", field.relaxed}};
 }
 
 Json to_json(const Coupling& coupling) {
   Json fields = Json::array();
   for (const Field& field : coupling.fields) fields.push_back(to_json(field));
-  return {{"scheme", name_of(coupling.scheme)},
-          {"window_s", coupling.window},
-          {"end_s", coupling.end},
-          {"windows", coupling.windows},
-          {"order", coupling.order},
-          {"exchange", coupling.transport == Transport::file ? "file" : "mapped"},
-          {"fields", fields},
-          {"fields_left_out", coupling.fields_left_out}};
+  return {
+      {"scheme", name_of(coupling.scheme)},
+      {"window_s", coupling.window},
+      {"end_s", coupling.end},
+      {"windows", coupling.windows},
+      {"order", coupling.order},
+      {"exchange", coupling.transport == Transport::file ? "file" : "mapped"},
+      {"acceleration", name_of(coupling.acceleration)},
+      {"relaxation", coupling.relaxation},
+      {"tolerance", coupling.tolerance},
+      {"iterations", coupling.iterations},
+      {"stability", {{"watch", coupling.stability.active}, {"growth", coupling.stability.growth}}},
+      {"fields", fields},
+      {"fields_left_out", coupling.fields_left_out}};
 }
 
 Json reference_of(const Comparison& comparison) {
@@ -202,8 +209,14 @@ std::string name_of(Solver solver) {
   return {};
 }
 
+std::string name_of(Acceleration acceleration) {
+  if (acceleration == Acceleration::constant) return "constant";
+  return acceleration == Acceleration::aitken ? "aitken" : "none";
+}
+
 std::string name_of(Scheme scheme) {
-  return scheme == Scheme::parallel_explicit ? "parallel-explicit" : "serial-explicit";
+  if (scheme == Scheme::parallel_explicit) return "parallel-explicit";
+  return scheme == Scheme::serial_implicit ? "serial-implicit" : "serial-explicit";
 }
 
 std::string name_of(Transform transform) {

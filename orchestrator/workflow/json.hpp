@@ -31,6 +31,7 @@ std::string type_name(Parameter::Type type);
 /// As in a workflow: "gmsh", "serial-explicit", "relative difference".
 std::string name_of(Program program);
 std::string name_of(Solver solver);
+std::string name_of(Acceleration acceleration);
 std::string name_of(Scheme scheme);
 std::string name_of(Transform transform);
 std::string name_of(Metric metric);

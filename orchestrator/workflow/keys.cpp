@@ -265,10 +265,57 @@ Object coupling_keys() {
       {{.name = "scheme",
         .kind = Kind::choice,
         .reference = true,
-        .names = {"serial-explicit", "parallel-explicit"},
+        .names = {"serial-explicit", "parallel-explicit", "serial-implicit"},
         .fallback = "serial-explicit",
-        .doc = "One after the other with the newest values, or all at once with the last window's.",
+        .doc = "One after the other with the newest values; all at once with the last window's; or "
+               "one after the other again and again until the relaxed fields no longer change.",
         .example = "$scheme"},
+       {.name = "acceleration",
+        .kind = Kind::choice,
+        .reference = true,
+        .names = {"none", "constant", "aitken"},
+        .fallback = "none",
+        .doc =
+            "How relaxed fields follow: at once, by the factor `relaxation` (in explicit schemes "
+            "carried from window to window), or by Aitken's factor (serial-implicit only).",
+        .example = "aitken"},
+       {.name = "relaxation",
+        .kind = Kind::number,
+        .reference = true,
+        .unit = "1",
+        .above = 0,
+        .fallback = "0.5",
+        .doc = "The factor of constant relaxation, and the first of Aitken's.",
+        .example = "0.5"},
+       {.name = "relax",
+        .kind = Kind::name,
+        .many = Many::list,
+        .fallback = "the fields that go to a participant earlier in the order",
+        .doc = "The fields that are relaxed, and that a serial-implicit window iterates on.",
+        .example = "[velocity]"},
+       {.name = "tolerance",
+        .kind = Kind::number,
+        .reference = true,
+        .unit = "1",
+        .above = 0,
+        .fallback = "1e-10",
+        .doc =
+            "When a serial-implicit window has converged: the change of every relaxed field over "
+            "its size, as 2-norms.",
+        .example = "1e-8"},
+       {.name = "iterations",
+        .kind = Kind::count,
+        .reference = true,
+        .minimum = 1,
+        .fallback = "50",
+        .doc =
+            "How many iterations a serial-implicit window may take; more end the run as unstable.",
+        .example = "20"},
+       {.name = "stability",
+        .kind = Kind::object,
+        .object = "stability",
+        .doc = "When the stability watch ends the run.",
+        .example = "{growth: 1.02}"},
        {.name = "window",
         .kind = Kind::number,
         .required = true,
@@ -306,6 +353,26 @@ Object coupling_keys() {
         .object = "field",
         .doc = "The arrays that cross, by name.",
         .example = "{velocity: {unit: m/s, shape: [3], from: grains, to: fluid}}"}}};
+}
+
+Object stability_keys() {
+  return {"stability",
+          "When a field is said to diverge, which ends the run with exit status 5.",
+          {{.name = "watch",
+            .kind = Kind::toggle,
+            .reference = true,
+            .fallback = "true",
+            .doc = "Whether fields are watched; values that are not finite always end the run.",
+            .example = "false"},
+           {.name = "growth",
+            .kind = Kind::number,
+            .reference = true,
+            .unit = "1",
+            .above = 1,
+            .fallback = "1.02",
+            .doc = "Growth per window, of a field's change from window to window, above which it "
+                   "diverges when it lasts; without a change of sign, 0.02 more.",
+            .example = "1.05"}}};
 }
 
 Object field_keys() {
@@ -483,9 +550,10 @@ std::vector<std::string> Object::key_names() const {
 }
 
 const std::vector<Object>& objects() {
-  static const std::vector<Object> all = {
-      workflow_keys(), parameter_keys(), stage_keys(),      participant_keys(), coupling_keys(),
-      field_keys(),    record_keys(),    comparison_keys(), reference_keys(),   left_out_keys()};
+  static const std::vector<Object> all = {workflow_keys(),    parameter_keys(), stage_keys(),
+                                          participant_keys(), coupling_keys(),  stability_keys(),
+                                          field_keys(),       record_keys(),    comparison_keys(),
+                                          reference_keys(),   left_out_keys()};
   return all;
 }
 

@@ -51,6 +51,7 @@ Workflow load(const std::string& path, const LoadOptions& options) {
   if (std::filesystem::file_size(path, unknown) > largest_yaml && !unknown) {
     return load_text(std::string(largest_yaml + 1, ' '), path, options);  // refused, but not read
   }
+  require_regular_file(path);
   return load_text(read_file(path), path, options);
 }
 

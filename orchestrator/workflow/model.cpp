@@ -13,7 +13,7 @@ namespace {
 std::string in_unit(double si, const std::string& unit) {
   const double number = Unit::from_si(si, unit);
   for (const int digits : {15, 16}) {
-    const std::string text = fmt::format("{:.{}g}", number, digits);
+    std::string text = fmt::format("{:.{}g}", number, digits);
     if (Quantity read; Quantity::parse(text, read) && Unit::to_si(read.number, unit) == si) {
       return text;
     }

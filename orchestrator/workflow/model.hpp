@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "coupling/relaxation.hpp"
+#include "coupling/scheme.hpp"
+#include "coupling/stability.hpp"
 #include "exchange/transform.hpp"
 #include "render/value.hpp"
 
@@ -87,10 +90,13 @@ struct Field {
   std::vector<std::int64_t> received_shape;  ///< as the receiver sees it, after the transform
   double initial = 0;                        ///< every value before the sender has spoken
   bool recorded = true;
+  bool relaxed = false;  ///< the unknown of an iteration, or under-relaxed
   Place place;
 };
 
-enum class Scheme { serial_explicit, parallel_explicit };
+using coupling::Acceleration;
+using coupling::Scheme;
+using coupling::StabilityLimits;
 enum class Transport { mapped, file };
 
 struct Coupling {
@@ -100,6 +106,11 @@ struct Coupling {
   std::int64_t windows = 0;  ///< the fewest whole windows that reach the end that was asked for
   std::vector<std::string> order;
   Transport transport = Transport::mapped;
+  Acceleration acceleration = Acceleration::none;
+  double relaxation = 1;         ///< factor, or the first one
+  double tolerance = 1e-10;      ///< when a serial-implicit window has converged
+  std::int64_t iterations = 50;  ///< that one may take
+  StabilityLimits stability;
   std::vector<Field> fields;
   std::vector<std::string> fields_left_out;  ///< neither received nor recorded: not sent
   Place place;

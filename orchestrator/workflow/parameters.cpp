@@ -108,6 +108,12 @@ class Declaration {
                     "list the names to choose from");
       return;
     }
+    constexpr size_t most = 50;
+    if (choices->items.size() > most) {
+      scope_.report(scope_.at(*choices), fmt::format("more than {} choices", most),
+                    "a number, count or text has no such limit");
+      return;
+    }
     for (const Node& item : choices->items) {
       if (item.kind != Node::Kind::scalar) continue;
       auto& names = result_.choices;
@@ -151,19 +157,27 @@ class Declaration {
       scope_.report(place, fmt::format("'{}': {}", result_.name, reading.what), reading.remedy);
       return;
     }
-    result_.value = *reading.value;
-    const auto* number = result_.value.as<double>();
-    const auto* count = result_.value.as<std::int64_t>();
-    if (!number && !count) return;
+    if (within_limits(*reading.value, place)) result_.value = *reading.value;
+  }
+
+  /// A value beyond a limit is reported here and not used, so that nothing else stumbles over it.
+  [[nodiscard]] bool within_limits(const Value& value, const Place& place) const {
+    const auto* number = value.as<double>();
+    const auto* count = value.as<std::int64_t>();
+    if (!number && !count) return true;
     const double size = number ? *number : static_cast<double>(*count);
+    bool good = true;
     for (const Limit& limit : limits_) {
       if (limit.allows(size)) continue;
+      good = false;
+      Parameter mine = result_;
       Parameter bound = result_;
-      if (number) bound.value = Value(limit.si);
-      if (count) bound.value = Value(static_cast<std::int64_t>(limit.si));
-      scope_.report(place, fmt::format("'{}' is {}", result_.name, shown(result_)),
+      mine.value = value;
+      bound.value = number ? Value(limit.si) : Value(static_cast<std::int64_t>(limit.si));
+      scope_.report(place, fmt::format("'{}' is {}", result_.name, shown(mine)),
                     fmt::format("{}: {}", limit.key, shown(bound)));
     }
+    return good;
   }
 
   const Node& node_;

@@ -116,7 +116,14 @@ void read_left_out(const Context& context, Workflow& workflow) {
 }
 
 void read_participants(const Context& context, Workflow& workflow) {
-  for (const Declared& each : declared_in(context, "participants")) {
+  const std::vector<Declared> declared = declared_in(context, "participants");
+  if (declared.size() > most_declared) {
+    context.problems.add(declared[most_declared].place,
+                         fmt::format("more than {} participants", most_declared),
+                         "one participant may stand for many grains or bodies");
+    return;
+  }
+  for (const Declared& each : declared) {
     bool selected = true;
     for (const Variant& variant : variants_of(context, each)) {
       std::optional<Participant> participant = read_participant(context, each, variant);

@@ -112,7 +112,7 @@ std::optional<Value> Scope::scalar(const Node& node, const Key& key) const {
            "expected: " + description_of(key));
     return std::nullopt;
   }
-  const std::optional<Value> value = is_reference(node) ? referred(node, key) : written(node, key);
+  std::optional<Value> value = is_reference(node) ? referred(node, key) : written(node, key);
   if (!value) return std::nullopt;
   const auto* count = value->as<std::int64_t>();
   const auto* number = value->as<double>();

@@ -214,10 +214,10 @@ void check_coupling_stages(const Context& context, const std::vector<Candidate>&
 }  // namespace
 
 void read_stages(const Context& context, Workflow& workflow) {
-  constexpr size_t most = 200;
   const std::vector<Declared> declared = declared_in(context, "stages");
-  if (declared.size() > most) {
-    context.problems.add(declared[most].place, fmt::format("more than {} stages", most),
+  if (declared.size() > most_declared) {
+    context.problems.add(declared[most_declared].place,
+                         fmt::format("more than {} stages", most_declared),
                          "a stage that repeats is a study");
     return;
   }

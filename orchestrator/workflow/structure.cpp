@@ -68,12 +68,12 @@ void check_selection(const Node& node, const Key& key, const Scope& scope) {
   for (const Node& item : node.items) (void)scope.scalar(item, item_key);
 }
 
-void check_one(const Node& node, const Key& key, Place where, const Scope& scope,
+void check_one(const Node& node, const Key& key, const Place& where, const Scope& scope,
                const std::string& name = {}) {
   switch (key.kind) {
     case Kind::object:
       if (is(node, Node::Kind::map, key, scope, name)) {
-        check_structure(node, object(key.object), std::move(where), key.partial, scope);
+        check_structure(node, object(key.object), where, key.partial, scope);
       }
       return;
     case Kind::given:
@@ -157,7 +157,7 @@ void replace(Node& map, const Node::Key& key, const Node& value) {
 
 }  // namespace
 
-void check_structure(const Node& node, const Object& table, Place where, bool partial,
+void check_structure(const Node& node, const Object& table, const Place& where, bool partial,
                      const Scope& scope) {
   for (size_t i = 0; i < node.keys.size(); ++i) {
     const Node::Key& name = node.keys[i];

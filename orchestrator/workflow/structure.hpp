@@ -14,7 +14,7 @@ namespace sandglass::workflow {
 /// Checks a map against a table of keys, and everything below it: unknown keys, missing ones, and
 /// values of the wrong kind. `where` is the place of whatever the map describes. `partial`:
 /// required keys may be missing (a case of a choice).
-void check_structure(const Node& node, const Object& table, Place where, bool partial,
+void check_structure(const Node& node, const Object& table, const Place& where, bool partial,
                      const Scope& scope);
 
 /// One name of a `given`, however it was written.

@@ -18,7 +18,9 @@ gravity = {{gravity}}                      # m/s2
 numerical_damping = {{numerical_damping}}  # YADE's local damping, 0: none
 window = {{window}}                        # s, one exchange per window
 grain_steps = {{grain_steps}}              # steps of the grain solver in a window
-scheme = {{scheme}}                        # serial-explicit: drag from the last velocity; parallel-explicit: one older
+scheme = {{scheme}}                        # when the drag acts: scheme_velocity says it
+acceleration = {{acceleration}}            # none, constant or aitken
+relaxation = {{relaxation}}                # factor of the constant one
 fluid = {{fluid}}                          # axisymmetric, box, navier_stokes
 
 record = sandglass.open_record()
@@ -73,23 +75,51 @@ def after_window(v, force):
     return v + a * step * ((1 + numerical_damping) * against + (1 - numerical_damping) * along)
 
 
-def scheme_velocity(coefficients):
-    """The scheme from rest, where the drag computed in window n is coefficients[n] times the velocity at its begin.
+implicit = scheme == 'serial-implicit'
+relaxed = acceleration == 'constant' and not implicit  # explicit under-relaxation, carried from window to window
 
-    Serial: it acts in the same window, v -> v + (W - c v) dt/m, that is (1 - lambda) per window for the distance from
-    the terminal velocity. Parallel: it acts one window later, z^2 - z + lambda = 0, lambda = window / tau.
+
+def follow(previous, newest):
+    """The velocity that the fluid solver receives after `previous`, when the grain's is `newest`."""
+    return previous + relaxation * (newest - previous) if relaxed else newest
+
+
+def implicit_window(v, coefficient):
+    """v1 = v + (W - c v1) dt/m. With numerical damping there is no such closed form: undefined."""
+    if numerical_damping:
+        return math.nan
+    return (v + submerged_weight / mass * window) / (1 + coefficient / mass * window)
+
+
+def scheme_velocity(coefficients):
+    """The scheme from rest, where the drag computed in window n is coefficients[n] times the velocity received.
+
+    Serial explicit: that of the window's begin, v -> v + (W - c v) dt/m, that is (1 - lambda) per window for the
+    distance from the terminal velocity. Parallel: the drag acts one window later, z^2 - z + lambda = 0, lambda =
+    window / tau. Under-relaxed: the received velocity follows the grain's by the factor w only. Serial implicit: that
+    of the window's end, 1/(1 + lambda) per window.
     """
-    v, sent = [0.0], 0.0
+    v, received_last, sent = [0.0], 0.0, 0.0
     for coefficient in coefficients:
-        computed = coefficient * v[-1]
+        if implicit:
+            v.append(implicit_window(v[-1], coefficient))
+            continue
+        computed = coefficient * received_last
         acting = computed if scheme == 'serial-explicit' else sent
         v.append(after_window(v[-1], submerged_weight - acting))
         sent = computed
+        received_last = follow(received_last, v[-1])
     return numpy.array(v)
 
 
-received = velocity[:-1]  # the velocity that the fluid solver had when it computed each drag
-own_coefficient = numpy.where(received != 0, drag / received, 0.0)
+# The velocity that the fluid solver had when it computed each drag.
+if implicit:
+    received = velocity[1:]
+else:
+    received = numpy.zeros(windows)
+    for n in range(1, windows):
+        received[n] = follow(received[n - 1], velocity[n])
+own_coefficient = numpy.where(received != 0, drag / numpy.where(received != 0, received, 1), 0.0)
 
 exponential = stokes_velocity(time, density)
 exact_scheme = scheme_velocity([stokes_coefficient] * windows)
@@ -143,15 +173,20 @@ sandglass.quantity('schiller_naumann_ratio', 1 + 0.15 * reynolds_received**0.687
                    "drag over Stokes' drag at this Reynolds number, correlation of Schiller and Naumann (1933)")
 
 
-# A single factor describes the serial scheme only (the parallel one has two modes), and with numerical damping only
-# while nothing overshoots: damping then slows the way to the terminal velocity by 1 - damping.
+# A single factor describes the serial schemes only (the parallel and the relaxed ones have two modes), and with
+# numerical damping only while nothing overshoots: damping then slows the way to the terminal velocity by 1 - damping.
 effective = window / tau * (1 - numerical_damping)
-one_factor = scheme == 'serial-explicit' and (numerical_damping == 0 or effective <= 1)
+if implicit:
+    factor = None if numerical_damping else 1 / (1 + window / tau)
+elif scheme == 'serial-explicit' and not relaxed and (numerical_damping == 0 or effective <= 1):
+    factor = 1 - effective
+else:
+    factor = None
 
 
 def growth():
     """Median of e(n+1)/e(n), e the distance from the terminal velocity; None where it is lost in rounding."""
-    if not one_factor or not own_coefficient[-1] or not submerged_weight:
+    if factor is None or not own_coefficient[-1] or not submerged_weight:
         return None
     terminal = submerged_weight / own_coefficient[-1]
     distance = velocity - terminal
@@ -162,8 +197,8 @@ def growth():
 
 sandglass.quantity('growth_per_window', growth(), '1',
                    'measured factor of the distance from the terminal velocity per window (median)')
-sandglass.quantity('growth_per_window_theory', 1 - effective if one_factor else None, '1',
-                   "1 - lambda (1 - damping) for the serial scheme with Stokes' drag")
+sandglass.quantity('growth_per_window_theory', factor, '1',
+                   "1 - lambda (1 - damping) for the serial explicit scheme with Stokes' drag, 1/(1 + lambda) implicit")
 
 # ---- curves
 

@@ -192,7 +192,7 @@ class Participant:
         try:
             with h5py.File(read, "r", locking=False) as file:
                 self._incoming = {
-                    name: (group["values"][...], group["shape"][...]) for name, group in file["in"].items()
+                    name: (group["values"][...], group["shape"][...]) for name, group in file.get("in", {}).items()
                 }
                 numbers, times = file["window"][...], file["time"][...]
             # The declared shapes stay at hand for the message about a wrong number of axes.

@@ -80,7 +80,9 @@ class Grains:
         exec(self._code, self._namespace)
 
     def save(self):
+        # Loaded at once, for the reason given at checkpoint: the first try of a window is then like its repetitions.
         self._omega.saveTmp()
+        self._omega.loadTmp()
 
     def restore(self):
         self._omega.loadTmp()

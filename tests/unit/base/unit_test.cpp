@@ -141,9 +141,9 @@ TEST(Quantity, KeepsNumberAndUnitAsWritten) {
 // The units that are known without the database are the database's own: in brackets, it is asked.
 TEST(Unit, BuiltInUnitsAreThoseOfTheDatabase) {
   for (const std::string name :
-       {"1",   "%",   "m",    "cm",   "mm",  "um",   "s", "ms",    "us",     "min",   "m2",
-        "m3",  "m/s", "m/s2", "mm/s", "1/s", "kg",   "g", "kg/m3", "kg/m^3", "m/s^2", "N",
-        "N/m", "Pa",  "kPa",  "MPa",  "GPa", "Pa s", "J", "K",     "rad",    "deg"}) {
+       {"1",  "%",   "m",    "cm",   "mm",  "um",  "s",    "ms",    "us",    "min",    "m2",
+        "m3", "m/s", "m/s2", "mm/s", "1/s", "kg",  "g",    "kg/m3", "g/cm3", "kg/m^3", "m/s^2",
+        "N",  "N/m", "Pa",   "kPa",  "MPa", "GPa", "Pa s", "J",     "K",     "rad",    "deg"}) {
     const std::string asked = "(" + name + ")";
     EXPECT_TRUE(Unit::convertible(name, asked)) << name;
     EXPECT_DOUBLE_EQ(Unit::to_si(1.7, name), Unit::to_si(1.7, asked)) << name;

@@ -97,6 +97,17 @@ Field field(std::string name, std::size_t from, std::size_t to, Shape shape = {1
   return made;
 }
 
+Plan plan_of(Scheme scheme, double window, std::int64_t windows, std::vector<Field> fields) {
+  Plan plan;
+  plan.scheme = scheme;
+  plan.window = window;
+  plan.windows = windows;
+  plan.fields = std::move(fields);
+  // What the watch finds has its own tests; here the bare scheme is looked at.
+  plan.stability.active = false;
+  return plan;
+}
+
 // ---- order and lag
 
 class Order : public testing::Test {
@@ -107,7 +118,7 @@ class Order : public testing::Test {
         "fluid", [](FakePartner& self) { self.send(0, {1}); }, &diary);
     FakePartner grains(
         "grains", [](FakePartner& self) { self.send(1, {1}); }, &diary);
-    const Plan plan{scheme, 0.5, 2, {field("drag", 0, 1), field("velocity", 1, 0)}};
+    const Plan plan = plan_of(scheme, 0.5, 2, {field("drag", 0, 1), field("velocity", 1, 0)});
     run(
         plan, {&fluid, &grains}, FakeClock(),
         [&](std::int64_t window) { diary.push_back("before " + std::to_string(window)); },
@@ -141,7 +152,7 @@ Numbers lag(Scheme scheme) {
     arrived.push_back(self.received[0].at(0));
     self.send(1, {0});
   });
-  Plan plan{scheme, 1, 4, {field("a", 0, 1), field("b", 1, 0)}};
+  Plan plan = plan_of(scheme, 1, 4, {field("a", 0, 1), field("b", 1, 0)});
   plan.fields[0].initial = -7;
   run(plan, {&first, &second}, FakeClock(), kIgnoreBefore, kIgnoreAfter);
   return arrived;
@@ -163,7 +174,7 @@ TEST(Windows, AreProductsNotSums) {
     ends.push_back(self.to);
   });
   std::int64_t windows = 0;
-  run({Scheme::serial_explicit, 0.1, 1000, {}}, {&only}, FakeClock(), kIgnoreBefore,
+  run(plan_of(Scheme::serial_explicit, 0.1, 1000, {}), {&only}, FakeClock(), kIgnoreBefore,
       [&](const Done& done) {
         ++windows;
         EXPECT_EQ(done.window, windows);
@@ -199,7 +210,8 @@ Numbers sphere(Scheme scheme, double lambda, int substeps, std::int64_t windows)
     self.send(1, {velocity});
     differences.push_back(velocity - terminal);
   });
-  const Plan plan{scheme, window, windows, {field("drag", 0, 1), field("velocity", 1, 0)}};
+  const Plan plan =
+      plan_of(scheme, window, windows, {field("drag", 0, 1), field("velocity", 1, 0)});
   run(plan, {&fluid, &grains}, FakeClock(), kIgnoreBefore, kIgnoreAfter);
   return differences;
 }
@@ -269,10 +281,9 @@ TEST(Values, StartAsTheWorkflowSays) {
     self.send(0, {1, 2, 3});
     self.send(1, {1, 2, 3});
   });
-  Plan plan{Scheme::serial_explicit,
-            1,
-            1,
-            {field("drag", 1, 0, {3}), field("samples", 1, 0, {3}), field("x", 0, 1, {2})}};
+  Plan plan =
+      plan_of(Scheme::serial_explicit, 1, 1,
+              {field("drag", 1, 0, {3}), field("samples", 1, 0, {3}), field("x", 0, 1, {2})});
   plan.fields[0].initial = 2.5;
   plan.fields[1].initial = 9;
   plan.fields[1].received_shape = {1};
@@ -288,7 +299,7 @@ TEST(Values, StartAsTheWorkflowSays) {
 TEST(Values, AreChangedOnTheWayButRecordedAsSent) {
   FakePartner grains("grains", [](FakePartner& self) { self.send(0, {1, 2, 6}); });
   FakePartner fluid("fluid", kNothing);
-  Plan plan{Scheme::serial_explicit, 1, 1, {field("velocity", 0, 1, {3})}};
+  Plan plan = plan_of(Scheme::serial_explicit, 1, 1, {field("velocity", 0, 1, {3})});
   plan.fields[0].received_shape = {1};
   plan.fields[0].transform = [](std::span<const double> values, const Shape& shape, Shape& result) {
     EXPECT_THAT(shape, ElementsAre(3));
@@ -314,7 +325,7 @@ TEST(Values, OfAVariableFieldCrossWithTheirCount) {
     shapes.push_back(self.received_shape[0]);
     EXPECT_EQ(self.received[0].size(), static_cast<size_t>(2 * self.received_shape[0][0]));
   });
-  Plan plan{Scheme::serial_explicit, 1, 4, {field("positions", 0, 1, {3, 2})}};
+  Plan plan = plan_of(Scheme::serial_explicit, 1, 4, {field("positions", 0, 1, {3, 2})});
   plan.fields[0].variable = true;
   std::vector<Shape> recorded;
   run(plan, {&grains, &fluid}, FakeClock(), kIgnoreBefore,
@@ -326,7 +337,7 @@ TEST(Values, OfAVariableFieldCrossWithTheirCount) {
 TEST(Values, BeforeAVariableFieldWasSentItHasNoRows) {
   FakePartner fluid("fluid", kNothing);
   FakePartner grains("grains", [](FakePartner& self) { self.send(0, {1, 2}, {1, 2}); });
-  Plan plan{Scheme::serial_explicit, 1, 1, {field("positions", 1, 0, {3, 2})}};
+  Plan plan = plan_of(Scheme::serial_explicit, 1, 1, {field("positions", 1, 0, {3, 2})});
   plan.fields[0].variable = true;
   run(plan, {&fluid, &grains}, FakeClock(), kIgnoreBefore, kIgnoreAfter);
   EXPECT_THAT(fluid.received_shape[0], ElementsAre(0, 2));
@@ -335,7 +346,7 @@ TEST(Values, BeforeAVariableFieldWasSentItHasNoRows) {
 
 TEST(Values, ForNobodyAreRecordedOnly) {
   FakePartner grains("grains", [](FakePartner& self) { self.send(0, {4}); });
-  const Plan plan{Scheme::serial_explicit, 1, 1, {field("energy", 0, kNobody)}};
+  const Plan plan = plan_of(Scheme::serial_explicit, 1, 1, {field("energy", 0, kNobody)});
   double recorded = 0;
   run(plan, {&grains}, FakeClock(), kIgnoreBefore,
       [&](const Done& done) { recorded = done.fields[0].values[0]; });
@@ -356,8 +367,8 @@ struct Failing {
         self.send(1, {1, 2, 3, 4}, {2, 2});
       }
     });
-    Plan plan{
-        Scheme::serial_explicit, 1, 5, {field("drag", 0, 1), field("velocity", 1, 0, {2, 2})}};
+    Plan plan = plan_of(Scheme::serial_explicit, 1, 5,
+                        {field("drag", 0, 1), field("velocity", 1, 0, {2, 2})});
     plan.fields[1].variable = variable;
     if (transformed) {
       plan.fields[1].received_shape = {1};
@@ -435,7 +446,7 @@ TEST(Faults, WhatAPartnerThrowsPassesThrough) {
   });
   int windows = 0;
   const Error error = error_of([&] {
-    run({Scheme::parallel_explicit, 1, 5, {}}, {&broken}, FakeClock(), kIgnoreBefore,
+    run(plan_of(Scheme::parallel_explicit, 1, 5, {}), {&broken}, FakeClock(), kIgnoreBefore,
         [&](const Done&) { ++windows; });
   });
   EXPECT_STREQ(error.what(), "broken is broken");
@@ -455,7 +466,7 @@ TEST(Timings, AddUp) {
     clock.time += 1;
     self.own_seconds = 0.75;
   });
-  Plan plan{Scheme::serial_explicit, 1, 2, {field("drag", 0, 1)}};
+  Plan plan = plan_of(Scheme::serial_explicit, 1, 2, {field("drag", 0, 1)});
   plan.fields[0].transform = [&](std::span<const double> values, const Shape& shape,
                                  Shape& result) {
     clock.time += 0.5;

@@ -42,7 +42,7 @@ class SlotTest : public testing::Test {
   /// The file that a participant answers with where no memory is shared.
   [[nodiscard]] std::string answer(const std::string& field, const Shape& shape,
                                    const Numbers& values) const {
-    const std::string path = scratch_.file("answer.h5");
+    std::string path = scratch_.file("answer.h5");
     File file(path, File::Mode::create);
     file.write("/out/" + field + "/values", shape, values);
     file.write("/seconds", {1}, Numbers{0.25});

@@ -172,7 +172,7 @@ TEST_F(RecordTest, AKilledProcessLeavesWholeWindows) {
 }
 
 TEST_F(RecordTest, KilledAtAnyMomentItHoldsOnlyWholeWindows) {
-  for (int delay = 1; delay <= 5; ++delay) {
+  for (std::int64_t delay = 1; delay <= 5; ++delay) {
     std::filesystem::remove(path_);
     const pid_t writer = test::start_elsewhere([&] {
       Record made = record(100'000'000);

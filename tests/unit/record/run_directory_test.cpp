@@ -68,6 +68,7 @@ TEST_F(RunDirectoryTest, AFileOfThatNameIsPassedOver) {
 
 TEST_F(RunDirectoryTest, SeveralProcessesGetSeveralNumbers) {
   std::vector<pid_t> processes;
+  processes.reserve(4);
   for (int i = 0; i < 4; ++i) {
     processes.push_back(test::start_elsewhere([&] {
       for (int k = 0; k < 25; ++k) {

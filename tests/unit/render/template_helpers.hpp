@@ -25,6 +25,7 @@ inline Template parsed(const std::string& text, Language language = Language::te
 
 inline std::vector<std::string> texts(const std::vector<Problem>& problems) {
   std::vector<std::string> all;
+  all.reserve(problems.size());
   for (const Problem& problem : problems) all.push_back(problem.text());
   return all;
 }

@@ -305,6 +305,17 @@ TEST_F(Check, ManyProblemsAreCutAtFifty) {
   EXPECT_EQ(problems.back(), ": and 850 more problems");
 }
 
+TEST_F(Check, WhatWouldTakeLongToCheckIsRefused) {
+  std::string choices = "c";
+  std::string stages;
+  for (int i = 0; i < 50; ++i) choices += fmt::format(", c{}", i);
+  for (int i = 0; i < 101; ++i) stages += fmt::format("  s{}: {{run: command, command: [x]}}\n", i);
+  EXPECT_THAT(
+      project.problems("sandglass: 1\nname: x\nparameters:\n  c: {value: c, choices: [" + choices +
+                       "]}\nstages:\n" + stages),
+      ElementsAre("w.yaml:4:26: more than 50 choices", "w.yaml:106:3: more than 100 stages"));
+}
+
 TEST_F(Check, LongNamesAreRefusedInShortWords) {
   const std::string name(1000, 'x');
   const std::vector<std::string> problems =

@@ -1,0 +1,132 @@
+#include "coupling/stability.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sandglass::coupling {
+namespace {
+
+constexpr int kBlock = 6;                 // windows
+constexpr std::size_t kComparisons = 5;   // growing blocks in a row
+constexpr double kObvious = 1e3;          // growth that needs no more proof
+constexpr double kRounding = 1e-10;       // of the field's size
+constexpr double kExponential = 0.85;     // growth of the second half over that of the first
+constexpr double kMonotoneMargin = 0.02;  // more than an oscillation must grow, per window
+constexpr std::size_t kMostValues = 4096;
+
+/// Large arrays are looked at in places evenly spread over them: a divergence spares none.
+std::vector<double> sample(std::span<const double> values) {
+  if (values.size() <= kMostValues) return {values.begin(), values.end()};
+  const std::size_t stride = values.size() / kMostValues + 1;
+  std::vector<double> few;
+  few.reserve(values.size() / stride + 1);
+  for (std::size_t i = 0; i < values.size(); i += stride) few.push_back(values[i]);
+  return few;
+}
+
+double largest_of(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double x : values) largest = std::max(largest, std::abs(x));
+  return largest;
+}
+
+}  // namespace
+
+std::string Finding::text() const {
+  return fmt::format("{} {:.3g} times per window{}", growth >= 1 ? "grows" : "decays", growth,
+                     alternating ? ", with alternating sign" : "");
+}
+
+std::optional<Finding> StabilityWatch::observe(std::span<const double> values) {
+  if (!limits_.active) return std::nullopt;
+  std::vector<double> now = sample(values);
+  if (now.size() != last_.size()) {
+    // Another number of values: changes begin anew.
+    last_ = std::move(now);
+    last_change_.clear();
+    return std::nullopt;
+  }
+  // Divided by the largest value, so that neither products nor sums overflow.
+  scale_ = std::max({scale_, largest_of(now), largest_of(last_)});
+  if (scale_ == 0) return std::nullopt;
+  std::vector<double> change(now.size());
+  double product = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    change[i] = now[i] / scale_ - last_[i] / scale_;
+    if (i < last_change_.size()) product += change[i] * last_change_[i];
+  }
+  const double size = largest_of(change);
+  if (size > kRounding) {
+    block_.largest = std::max(block_.largest, size * scale_);
+    if (product < 0) ++block_.turns;
+  }
+  last_ = std::move(now);
+  last_change_ = std::move(change);
+  if (++block_.windows < kBlock) return std::nullopt;
+  close_block();
+  return verdict();
+}
+
+void StabilityWatch::close_block() {
+  if (!blocks_.empty() && block_.turns >= 2 && blocks_.back().largest > 0 && block_.largest > 0) {
+    ++oscillating_blocks_;
+    decay_ = std::pow(block_.largest / blocks_.back().largest, 1.0 / kBlock);
+  }
+  blocks_.push_back(block_);
+  block_ = {};
+  if (blocks_.size() > kComparisons + 1) {
+    largest_before_ = std::max(largest_before_, blocks_.front().largest);
+    blocks_.erase(blocks_.begin());
+  }
+}
+
+std::optional<Finding> StabilityWatch::verdict() const {
+  if (auto found = oscillating_growth()) return found;
+  return exponential_growth();
+}
+
+std::optional<Finding> StabilityWatch::oscillating_growth() const {
+  const double wanted = std::pow(limits_.growth, kBlock);
+  std::size_t comparisons = 0;
+  std::size_t at = blocks_.size() - 1;
+  while (at > 0 && blocks_[at].turns >= 1 && blocks_[at - 1].largest > 0 &&
+         blocks_[at].largest > wanted * blocks_[at - 1].largest) {
+    --at;
+    ++comparisons;
+  }
+  // Noise grows now and then, but seldom beyond everything before.
+  if (comparisons == 0 || blocks_.back().largest <= wanted * largest_before_) return std::nullopt;
+  const double total = blocks_.back().largest / blocks_[at].largest;
+  if (comparisons < kComparisons && (comparisons < 2 || total < kObvious)) return std::nullopt;
+  return Finding{std::pow(total, 1.0 / static_cast<double>(kBlock * comparisons)), true};
+}
+
+std::optional<Finding> StabilityWatch::exponential_growth() const {
+  constexpr std::size_t needed = 5;  // ends of four blocks of growth: 24 windows
+  if (blocks_.size() < needed) return std::nullopt;
+  const Block* last = &blocks_.back();
+  // A change of sign makes it an oscillation, or noise.
+  if (std::any_of(last - 3, last + 1, [](const Block& block) { return block.turns > 0; })) {
+    return std::nullopt;
+  }
+  const double begin = (last - 4)->largest;
+  const double middle = (last - 2)->largest;
+  const double end = last->largest;
+  if (begin <= 0 || middle <= begin || end <= middle) return std::nullopt;
+  const double first_half = std::log(middle / begin);
+  const double second_half = std::log(end / middle);
+  const double per_window = std::exp((first_half + second_half) / (4.0 * kBlock));
+  if (per_window < limits_.growth + kMonotoneMargin) return std::nullopt;
+  if (second_half < kExponential * first_half) return std::nullopt;
+  return Finding{per_window, false};
+}
+
+std::optional<Finding> StabilityWatch::oscillation() const {
+  if (oscillating_blocks_ < 1) return std::nullopt;
+  return Finding{decay_, true};
+}
+
+}  // namespace sandglass::coupling

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sandglass::coupling {
+
+/// When the watch speaks.
+struct StabilityLimits {
+  bool active = true;
+  /// Growth per window above which a field diverges. Between 0.95 and 1.05 the verdict is open:
+  /// this stands between them with room for oscillations that are sampled unevenly.
+  double growth = 1.02;
+};
+
+/// What the watch found in a field.
+struct Finding {
+  double growth = 0;         ///< of the change from window to window, per window
+  bool alternating = false;  ///< the change turns its sign again and again
+  std::string text() const;  ///< "grows 1.31 times per window, with alternating sign"
+};
+
+/// Watches one field, window by window, for a coupling that diverges or oscillates.
+///
+/// What is looked at is the change d(n) = x(n) - x(n-1): for a linear coupling it goes as G^n,
+/// whatever the field converges to. Its largest size in every six windows is compared with that of
+/// the six before. An oscillation that has grown in five such comparisons in a row, or a
+/// thousandfold in fewer, diverges; a growth without oscillation must besides be exponential over
+/// 24 windows (powers of the time, as of a free fall, are not). Changes that are lost in rounding,
+/// below 1e-10 of the field, are not looked at.
+class StabilityWatch {
+ public:
+  explicit StabilityWatch(StabilityLimits limits) : limits_(limits) {}
+
+  /// Takes the values of the next window. A finding means that the field diverges.
+  std::optional<Finding> observe(std::span<const double> values);
+  /// An oscillation that has decayed, or is decaying: worth a warning when the run has ended.
+  [[nodiscard]] std::optional<Finding> oscillation() const;
+
+ private:
+  struct Block {
+    double largest = 0;  ///< change
+    int turns = 0;       ///< of its sign
+    int windows = 0;
+  };
+  void close_block();
+  [[nodiscard]] std::optional<Finding> verdict() const;
+  [[nodiscard]] std::optional<Finding> oscillating_growth() const;
+  [[nodiscard]] std::optional<Finding> exponential_growth() const;
+
+  StabilityLimits limits_;
+  std::vector<double> last_;
+  std::vector<double> last_change_;
+  double scale_ = 0;
+  Block block_;
+  std::vector<Block> blocks_;  ///< the newest last
+  double largest_before_ = 0;  ///< change, before these blocks
+  int oscillating_blocks_ = 0;
+  double decay_ = 0;
+};
+
+}  // namespace sandglass::coupling
