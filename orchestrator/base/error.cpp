@@ -45,6 +45,7 @@ std::string Place::text() const {
 std::string Problem::text() const {
   std::string all = place.file.empty() ? what : place.text() + ": " + what;
   if (!remedy.empty()) all += "; " + remedy;
+  if (!detail.empty()) all += "\n" + detail;
   return all;
 }
 
@@ -60,8 +61,8 @@ Error Error::refused(Place place, std::string what, std::string remedy) {
 Error Error::refused(std::vector<Problem> problems) {
   return {ExitCode::refused, std::move(problems)};
 }
-Error Error::participant(std::string what, std::string remedy) {
-  return {ExitCode::participant, {{{}, std::move(what), std::move(remedy)}}};
+Error Error::participant(std::string what, std::string remedy, std::string detail) {
+  return {ExitCode::participant, {{{}, std::move(what), std::move(remedy), std::move(detail)}}};
 }
 Error Error::unstable(std::string what, std::string remedy) {
   return {ExitCode::unstable, {{{}, std::move(what), std::move(remedy)}}};

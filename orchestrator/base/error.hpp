@@ -28,13 +28,14 @@ struct Place {
   [[nodiscard]] std::string text() const;
 };
 
-/// One thing that is wrong: where, what, and what to do about it.
+/// One thing that is wrong: where, what, what to do about it, and what else helps to see why.
 struct Problem {
   Place place;
   std::string what;
   std::string remedy;
+  std::string detail;  ///< lines of their own, such as the end of a log
 
-  /// One line: "file:line:column: what. remedy"
+  /// "file:line:column: what; remedy", with the detail on the lines below.
   [[nodiscard]] std::string text() const;
 };
 
@@ -47,7 +48,7 @@ class Error : public std::runtime_error {
   static Error usage(std::string what, std::string remedy = {});
   static Error refused(Place place, std::string what, std::string remedy = {});
   static Error refused(std::vector<Problem> problems);
-  static Error participant(std::string what, std::string remedy = {});
+  static Error participant(std::string what, std::string remedy = {}, std::string detail = {});
   static Error unstable(std::string what, std::string remedy = {});
   static Error mismatch(std::string what, std::string remedy = {});
   static Error environment(std::string what, std::string remedy = {});

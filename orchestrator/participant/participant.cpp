@@ -46,13 +46,8 @@ Error Participant::failure(const std::string& what, const std::string& remedy) c
   const exchange::Window window = slot_.window();
   std::string where = description_.name;
   if (window.index > 0) where += fmt::format(", window {}", window.index);
-  const std::string lines = last_lines(description_.command.log);
-  std::string text = fmt::format("participant {} {}", where, what);
-  if (!remedy.empty()) text += "; " + remedy;
-  if (!lines.empty()) {
-    text += fmt::format("\nlast lines of {}:\n{}", description_.command.log, lines);
-  }
-  return Error::participant(text);
+  return Error::participant(fmt::format("participant {} {}", where, what), remedy,
+                            end_of_log(description_.command.log));
 }
 
 void Participant::start() {
@@ -263,14 +258,14 @@ std::string Participant::hear() {
       throw failure(fmt::format("ended by itself ({}) when asked '{}'", how, asked_));
     }
     const auto ended = outcome.child->poll_exit();
-    const std::string lines = last_lines(outcome.child->log());
     const std::int64_t window = slot_.window().index;
-    throw Error::participant(fmt::format(
-        "participant {} ended by itself ({}) {}{}", outcome.child->name(),
-        ended ? ended->text() : "unknown status",
-        window > 0 ? fmt::format("in window {}, while {} was at work", window, description_.name)
-                   : "before all were ready",
-        lines.empty() ? "" : "\nlast lines of " + outcome.child->log() + ":\n" + lines));
+    throw Error::participant(
+        fmt::format("participant {} ended by itself ({}) {}", outcome.child->name(),
+                    ended ? ended->text() : "unknown status",
+                    window > 0 ? fmt::format("in window {}, while {} was at work", window,
+                                             description_.name)
+                               : "before all were ready"),
+        {}, end_of_log(outcome.child->log()));
   }
 }
 

@@ -15,20 +15,16 @@ Exit run_to_end(const std::string& who, const Command& command, double deadline)
   Watch watch;
   watch.add(&child);
   const Watch::Outcome outcome = watch.wait(-1, deadline);
-  const auto log = [&] {
-    const std::string lines = last_lines(command.log);
-    return lines.empty() ? std::string() : "\nlast lines of " + command.log + ":\n" + lines;
-  };
   if (outcome.event == Watch::Event::late) {
     child.kill();
     throw Error::participant(
-        fmt::format("{} did not end within its deadline of {} s; give it a longer deadline in the "
-                    "workflow, or less to do{}",
-                    who, deadline, log()));
+        fmt::format("{} did not end within its deadline of {} s", who, deadline),
+        "give it a longer deadline in the workflow, or less to do", end_of_log(command.log));
   }
   const Exit ended = child.poll_exit().value_or(Exit{true, 9, 0});
   if (!ended.good()) {
-    throw Error::participant(fmt::format("{} failed: {}{}", who, ended.text(), log()));
+    throw Error::participant(fmt::format("{} failed: {}", who, ended.text()), {},
+                             end_of_log(command.log));
   }
   return ended;
 }
@@ -49,6 +45,11 @@ std::string last_lines(const std::string& path, int count) {
   if (from == std::string::npos) from = 0;
   if (from < text.size() && text[from] == '\n') ++from;
   return text.substr(from);
+}
+
+std::string end_of_log(const std::string& path) {
+  const std::string lines = last_lines(path);
+  return lines.empty() ? lines : fmt::format("last lines of {}:\n{}", path, lines);
 }
 
 }  // namespace sandglass

@@ -34,7 +34,10 @@ struct Exit {
 /// the user interrupts us (the group is ended first).
 Exit run_to_end(const std::string& who, const Command& command, double deadline);
 
-/// The last lines of a text file, for error messages. Empty when there is none.
+/// The last lines of a text file. Empty when there is none.
 std::string last_lines(const std::string& path, int count = 15);
+
+/// The same with a heading, as the detail of an error. Empty when there is none.
+std::string end_of_log(const std::string& path);
 
 }  // namespace sandglass

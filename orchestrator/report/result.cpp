@@ -46,6 +46,12 @@ std::string text_at(const json& object, const char* key) {
   return object.contains(key) ? object.at(key).get<std::string>() : std::string();
 }
 
+/// null stands for "not known".
+std::optional<double> known_number_at(const json& object, const char* key) {
+  if (!object.contains(key) || object.at(key).is_null()) return {};
+  return object.at(key).get<double>();
+}
+
 /// null stands for a number that was not finite.
 std::optional<double> number_at(const json& object, const char* key) {
   if (!object.contains(key)) return {};
@@ -183,9 +189,9 @@ Result result_from_json(const std::string& text, const std::string& path) {
     result.status = document.at("status").get<std::string>();
     result.exit_code = document.at("exit_code").get<int>();
     result.error = text_at(document, "error");
-    result.wall_time_s = number_at(document, "wall_time_s");
+    result.wall_time_s = known_number_at(document, "wall_time_s");
     result.windows = document.at("windows").get<std::int64_t>();
-    result.overhead_s_per_window = number_at(document, "overhead_s_per_window");
+    result.overhead_s_per_window = known_number_at(document, "overhead_s_per_window");
     for (const auto& [name, object] : document.at("quantities").items()) {
       result.quantities[name] = {value_from_json(object.at("value")), text_at(object, "unit"),
                                  text_at(object, "meaning")};

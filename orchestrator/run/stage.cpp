@@ -28,8 +28,7 @@ std::string linked(const std::string& script, const std::string& directory,
 
 [[noreturn]] void fail(const workflow::Stage& stage, const std::string& log,
                        const std::string& what) {
-  throw Error::participant(
-      fmt::format("stage {} {}\nlast lines of {}:\n{}", stage.name, what, log, last_lines(log)));
+  throw Error::participant(fmt::format("stage {} {}", stage.name, what), {}, end_of_log(log));
 }
 
 }  // namespace

@@ -194,8 +194,8 @@ struct LoadOptions {
 
 /// Reads and checks a workflow, templates included (every name used is given, every name given is
 /// used, for every case that could be chosen). Throws Error::refused with all problems of one pass,
-/// Error::usage for a setting whose name no parameter has, Error::environment when the file cannot
-/// be read.
+/// Error::usage for a setting whose name no parameter has, or when there is no such file,
+/// Error::environment when it cannot be read.
 Workflow load(const std::string& path, const LoadOptions& options);
 /// The same from memory; `path` is for messages.
 Workflow load_text(const std::string& text, const std::string& path, const LoadOptions& options);

@@ -90,7 +90,7 @@ class Misspelt(Case):
         ended = self.sandglass(verb, "workflows/sphere_on_membrane.yaml", home=self.home, directory=self.home, out=out)
         self.assert_code(ended, code)
         # The name of a rendered script depends on what is in it.
-        return [re.sub(r" \(\S+/(scripts/)\w+\.py", r" (\1....py", line) for line in (ended.err + ended.out).splitlines()]
+        return [re.sub(r" \(\S+/(scripts/\w+)-\w+\.py", r" (\1-....py", line) for line in (ended.err + ended.out).splitlines()]
 
     def assert_shown(self, lines):
         self.assertTrue(lines)

@@ -23,6 +23,8 @@ SPHERE = {
     "window": 1e-3,
     "grain_steps": 1,
     "scheme": "serial-explicit",
+    "acceleration": "none",
+    "relaxation": 0.5,
     "fluid": "axisymmetric",
 }
 
@@ -54,9 +56,16 @@ def settle(values, windows, ratio=1.0):
     mass = values["density"] * volume
     weight = (values["density"] - values["fluid_density"]) * volume * values["gravity"]
     step = values["window"] / values["grain_steps"]
-    rows, v, sent = [], 0.0, 0.0
+    rows, v, sent, received = [], 0.0, 0.0, 0.0
+    implicit = values["scheme"] == "serial-implicit"
+    follow = values["relaxation"] if values["acceleration"] == "constant" else 1.0
     for _ in range(windows):
-        drag = ratio * 3 * math.pi * values["viscosity"] * values["diameter"] * v
+        coefficient = ratio * 3 * math.pi * values["viscosity"] * values["diameter"]
+        if implicit:  # the converged window: the drag is that of the velocity at its end
+            v = (v + weight / mass * values["window"]) / (1 + coefficient / mass * values["window"])
+            rows.append((v, coefficient * v, (weight - coefficient * v) / mass))
+            continue
+        drag = coefficient * received
         acting = drag if values["scheme"] == "serial-explicit" else sent
         sent = drag
         for _ in range(values["grain_steps"]):
@@ -64,6 +73,7 @@ def settle(values, windows, ratio=1.0):
             power = a * (v + a * step / 2)
             a *= 1 - values["numerical_damping"] * (power > 0) + values["numerical_damping"] * (power < 0)
             v += a * step
+        received += follow * (v - received)
         rows.append((v, drag, a))
     velocity, drag, acceleration = zip(*rows)
     return {"velocity": velocity, "drag": drag, "acceleration": acceleration}
@@ -193,6 +203,9 @@ class SettlingSphereTest(AnalysisTest):
             {"scheme": "parallel-explicit", "window": 5e-4},
             {"scheme": "parallel-explicit", "window": 1.2e-3, "grain_steps": 7, "numerical_damping": 0.3},
             {"diameter": 1e-6, "window": 1e-9},
+            {"scheme": "serial-implicit", "window": 6e-3},
+            {"acceleration": "constant", "window": 3e-3},
+            {"acceleration": "constant", "relaxation": 0.8, "scheme": "parallel-explicit", "window": 7e-4},
         ):
             with self.subTest(**changes):
                 values, _ = self.analyse(40, **changes)

@@ -331,9 +331,11 @@ TEST_F(Check, LongNamesAreRefusedInShortWords) {
               ElementsAre(HasSubstr("w.yaml:2:7: 'xxx")));
 }
 
-TEST_F(Check, AFileThatCannotBeReadIsTheEnvironmentsFault) {
-  const Error error = test::error_of([&] { (void)load("no/such/file.yaml", project.options); });
-  EXPECT_EQ(error.code(), ExitCode::environment);
+TEST_F(Check, AFileThatIsNotThereOrNotAFileIsAMistakeOfUsage) {
+  for (const char* path : {"no/such/file.yaml", "/dev/zero", "/tmp"}) {
+    const Error error = test::error_of([&] { (void)load(path, project.options); });
+    EXPECT_EQ(error.code(), ExitCode::usage) << path;
+  }
 }
 
 TEST_F(Check, AHugeFileIsRefusedUnread) {
