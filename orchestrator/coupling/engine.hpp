@@ -66,7 +66,7 @@ struct Plan {
   Acceleration acceleration = Acceleration::none;
   double relaxation = 1;     ///< w, or the first w
   double tolerance = 1e-10;  ///< of serial_implicit: residual over value, both as 2-norms
-  std::int64_t most_iterations = 50;
+  std::int64_t most_iterations = 100;
   StabilityLimits stability;
 };
 

@@ -76,6 +76,7 @@ nlohmann::json describe_environment() {
     const std::string_view text(*entry);
     const size_t equals = text.find('=');
     if (equals == std::string_view::npos) continue;
+    if (text.rfind("SANDGLASS_HOME=", 0) == 0) continue;  // a place, not an influence
     for (const std::string_view start : telling) {
       if (text.rfind(start, 0) == 0) {
         result[std::string(text.substr(0, equals))] = std::string(text.substr(equals + 1));

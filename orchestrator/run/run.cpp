@@ -243,7 +243,9 @@ class Run {
                        {"version", SANDGLASS_VERSION},
                        {"digest", digest_of_file("/proc/self/exe")},
                        {"hdf5", hdf5::library_version()}};
-    json["command"] = options_.command;
+    std::vector<std::string> command = options_.command;
+    if (!command.empty()) command[0] = "sandglass";
+    json["command"] = command;
     json["workflow"] = {{"path", workflow_.path},
                         {"digest", digest_of_file(directory_.file("workflow.yaml"))}};
     json["solvers"] = solvers_json_;

@@ -141,13 +141,21 @@ record::UsedProgram identify_solver(const Home& home, const std::string& name) {
   std::vector<std::string> parts;
   if (name == "yade") {
     parts = {home.templates() + "/yade/resident.py",
-             home.templates() + "/python/sandglass_participant.py"};
+             home.templates() + "/python/sandglass_participant.py",
+             "/usr/lib/x86_64-linux-gnu/yade-double/libyade.so"};
   } else if (name == "freefem") {
     parts = {home.plugin_folder() + "/sandglass.so"};
   } else if (name == "python") {
     parts = {home.templates() + "/python/sandglass_analysis.py"};
   }
-  return record::identify(info.name, info.program, info.package, parts);
+  record::UsedProgram used = record::identify(info.name, info.program, info.package, parts);
+  // Our own files are named as they are in the checkout or the build, wherever those are.
+  for (record::UsedFile& part : used.parts) {
+    for (const std::string& place : {home.build + "/", home.root + "/"}) {
+      if (part.path.rfind(place, 0) == 0) part.path.erase(0, place.size());
+    }
+  }
+  return used;
 }
 
 }  // namespace sandglass::run

@@ -307,7 +307,7 @@ Object coupling_keys() {
         .kind = Kind::count,
         .reference = true,
         .minimum = 1,
-        .fallback = "50",
+        .fallback = "100",
         .doc =
             "How many iterations a serial-implicit window may take; more end the run as unstable.",
         .example = "20"},

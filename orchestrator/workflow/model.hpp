@@ -107,9 +107,9 @@ struct Coupling {
   std::vector<std::string> order;
   Transport transport = Transport::mapped;
   Acceleration acceleration = Acceleration::none;
-  double relaxation = 1;         ///< factor, or the first one
-  double tolerance = 1e-10;      ///< when a serial-implicit window has converged
-  std::int64_t iterations = 50;  ///< that one may take
+  double relaxation = 1;          ///< factor, or the first one
+  double tolerance = 1e-10;       ///< when a serial-implicit window has converged
+  std::int64_t iterations = 100;  ///< that one may take
   StabilityLimits stability;
   std::vector<Field> fields;
   std::vector<std::string> fields_left_out;  ///< neither received nor recorded: not sent
