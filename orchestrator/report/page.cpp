@@ -84,7 +84,8 @@ Value::List file_values(const std::string& run_directory) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(run_directory, error)) {
     const std::string name = entry.path().filename().string();
-    if (name.front() == '.' || name == "report.html" || name.ends_with(".part")) continue;
+    if (name.front() == '.' || name == "report.html" || name == "lock") continue;
+    if (name.ends_with(".part")) continue;
     names.push_back(entry.is_directory(error) ? name + "/" : name);
   }
   for (const std::string& stage : analysed_stages(run_directory)) {

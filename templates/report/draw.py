@@ -149,10 +149,10 @@ def set_ticks(side, scale, most):
 def draw_mark(axes, mark):
     across = mark["axis"] == "x"
     (axes.axvline if across else axes.axhline)(mark["value"], color=MUTED, linewidth=0.8, dashes=(1, 2), zorder=2)
-    place = (mark["value"], 0.02) if across else (0.99, mark["value"])
+    place = (mark["value"], 0.45) if across else (0.99, mark["value"])  # beside the line, away from the axes' corners
     axes.annotate(mark["label"], place, xycoords=("data", "axes fraction") if across else ("axes fraction", "data"),
-                  xytext=(4, 2) if across else (0, 3), textcoords="offset points",
-                  ha="left" if across else "right", va="bottom", color=MUTED, fontsize=8)
+                  xytext=(3, 0) if across else (0, 3), textcoords="offset points", rotation=90 if across else 0,
+                  ha="left" if across else "right", va="center" if across else "bottom", color=MUTED, fontsize=8)
 
 
 def draw_panel(axes, panel, styles, legend):
