@@ -12,6 +12,7 @@ namespace {
 constexpr int kBlock = 6;                 // windows
 constexpr std::size_t kComparisons = 5;   // growing blocks in a row
 constexpr double kObvious = 1e3;          // growth that needs no more proof
+constexpr double kExplosion = 20;         // twice in a row, with alternating sign: no physics does
 constexpr double kRounding = 1e-10;       // of the field's size
 constexpr double kExponential = 0.85;     // growth of the second half over that of the first
 constexpr double kMonotoneMargin = 0.02;  // more than an oscillation must grow, per window
@@ -59,15 +60,27 @@ std::optional<Finding> StabilityWatch::observe(std::span<const double> values) {
     if (i < last_change_.size()) product += change[i] * last_change_[i];
   }
   const double size = largest_of(change);
+  const std::optional<Finding> explosion = exploding(size * scale_, product < 0);
   if (size > kRounding) {
     block_.largest = std::max(block_.largest, size * scale_);
     if (product < 0) ++block_.turns;
   }
   last_ = std::move(now);
   last_change_ = std::move(change);
+  if (explosion) return explosion;
   if (++block_.windows < kBlock) return std::nullopt;
   close_block();
   return verdict();
+}
+
+std::optional<Finding> StabilityWatch::exploding(double size, bool turned) {
+  const double growth = last_size_ > 0 && turned ? size / last_size_ : 0;
+  const bool both = std::min(growth, last_growth_) >= kExplosion && size >= largest_ever_;
+  const double per_window = std::sqrt(growth * last_growth_);
+  last_size_ = size;
+  last_growth_ = growth;
+  largest_ever_ = std::max(largest_ever_, size);
+  return both ? std::optional<Finding>({per_window, true}) : std::nullopt;
 }
 
 void StabilityWatch::close_block() {

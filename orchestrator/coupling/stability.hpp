@@ -28,9 +28,10 @@ struct Finding {
 /// What is looked at is the change d(n) = x(n) - x(n-1): for a linear coupling it goes as G^n,
 /// whatever the field converges to. Its largest size in every six windows is compared with that of
 /// the six before. An oscillation that has grown in five such comparisons in a row, or a
-/// thousandfold in fewer, diverges; a growth without oscillation must besides be exponential over
-/// 24 windows (powers of the time, as of a free fall, are not). Changes that are lost in rounding,
-/// below 1e-10 of the field, are not looked at.
+/// thousandfold in fewer, beyond everything before, diverges (one that beats, almost alternating,
+/// may take longer); so does one that grows twentyfold twice running. A growth without oscillation
+/// must besides be exponential over 24 windows (powers of the time, as of a free fall, are not).
+/// Changes that are lost in rounding, below 1e-10 of the field, are not looked at.
 class StabilityWatch {
  public:
   explicit StabilityWatch(StabilityLimits limits) : limits_(limits) {}
@@ -46,6 +47,8 @@ class StabilityWatch {
     int turns = 0;       ///< of its sign
     int windows = 0;
   };
+  /// A change that turned its sign and grew twentyfold, twice in a row: nobody needs to wait.
+  std::optional<Finding> exploding(double size, bool turned);
   void close_block();
   [[nodiscard]] std::optional<Finding> verdict() const;
   [[nodiscard]] std::optional<Finding> oscillating_growth() const;
@@ -57,6 +60,9 @@ class StabilityWatch {
   double scale_ = 0;
   Block block_;
   std::vector<Block> blocks_;  ///< the newest last
+  double last_size_ = 0;       ///< of the change
+  double last_growth_ = 0;     ///< of its size, where it turned its sign
+  double largest_ever_ = 0;
   double largest_before_ = 0;  ///< change, before these blocks
   int oscillating_blocks_ = 0;
   double decay_ = 0;

@@ -73,6 +73,18 @@ TEST(StabilityWatch, IsSilentForAnImpactAndForNoise) {
   }
 }
 
+TEST(StabilityWatch, EndsAnExplosionAtOnce) {
+  const int window = window_of_verdict(mode(-67), 40);
+  EXPECT_GT(window, 0);
+  EXPECT_LE(window, 4);
+}
+
+TEST(StabilityWatch, IsSilentForABounce) {
+  // Falls, is thrown back a thousand times faster within one window, and falls on.
+  EXPECT_EQ(window_of_verdict([](int n) { return n <= 50 ? -0.001 * n : 0.9 - 0.001 * n; }, 100),
+            0);
+}
+
 TEST(StabilityWatch, DoesNotLookAtWhatIsLostInRounding) {
   EXPECT_EQ(
       window_of_verdict([](int n) { return 1 + 1e-16 * std::pow(-1.5, std::min(n, 30)); }, 100), 0);
