@@ -31,17 +31,6 @@ void require_finite(std::span<const double> values, What what) {
       "holds every window before this one");
 }
 
-/// The newest values of a field on both sides of its way.
-struct State {
-  std::vector<double> sent;
-  Shape sent_shape;
-  std::vector<double> received;  ///< stays empty where it is what was sent
-  Shape received_shape;
-  Relaxation relaxation;
-  StabilityWatch watch;
-  double residual = 0;  ///< of a relaxed field: |next - received| / |next|, before relaxation
-};
-
 double norm(std::span<const double> values) {
   // Scaled, so that neither very large nor very small values leave the range of a double.
   double largest = 0;
@@ -61,206 +50,210 @@ double relative_residual(const std::vector<double>& now, std::span<const double>
   return change == 0 ? 0 : change / (size == 0 ? norm(now) : size);
 }
 
-class Engine {
- public:
-  Engine(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock)
-      : plan_(plan), partners_(partners), clock_(clock) {
-    for (const Field& field : plan.fields) {
-      State& state = states_.emplace_back(State{
-          {}, {}, {}, {}, {plan.acceleration, plan.relaxation}, StabilityWatch(plan.stability)});
-      state.sent_shape = field.shape;
-      // Nothing has been counted yet where the number of rows is found at run time.
-      if (field.variable) state.sent_shape[0] = 0;
-      state.sent.assign(static_cast<size_t>(count_of(state.sent_shape)), field.initial);
-      state.received_shape = field.transform ? field.received_shape : state.sent_shape;
-      if (changed_on_the_way(field)) {
-        state.received.assign(static_cast<size_t>(count_of(state.received_shape)), field.initial);
-      }
-    }
-  }
-
-  Done window(std::int64_t index) {
-    const double start = clock_.now();
-    Done done;
-    done.window = index;
-    // Products, not sums: the end of window n does not depend on how many came before.
-    done.begin = static_cast<double>(index - 1) * plan_.window;
-    done.end = static_cast<double>(index) * plan_.window;
-    done.timing.partners.assign(partners_.size(), 0.0);
-    if (plan_.scheme == Scheme::serial_explicit) {
-      in_turn(done);
-    } else if (plan_.scheme == Scheme::parallel_explicit) {
-      at_once(done);
-    } else {
-      iterate(done);
-    }
-    for (const State& state : states_) done.fields.push_back({state.sent, state.sent_shape});
-    watch(index);
-    done.timing.total = clock_.now() - start;
-    return done;
-  }
-
-  [[nodiscard]] std::vector<Oscillation> oscillations() const {
-    std::vector<Oscillation> found;
-    for (std::size_t f = 0; f < states_.size(); ++f) {
-      if (const auto one = states_[f].watch.oscillation()) {
-        found.push_back({plan_.fields[f].name, *one});
-      }
-    }
-    return found;
-  }
-
- private:
-  static bool changed_on_the_way(const Field& field) {
-    return static_cast<bool>(field.transform) || field.relaxed;
-  }
-
-  void in_turn(Done& done) {
-    for (std::size_t p = 0; p < partners_.size(); ++p) {
-      begin(p, done);
-      done.timing.working += finish(p, done);
-    }
-  }
-
-  void at_once(Done& done) {
-    for (std::size_t p = 0; p < partners_.size(); ++p) begin(p, done);
-    for (std::size_t p = 0; p < partners_.size(); ++p) {
-      done.timing.working = std::max(done.timing.working, finish(p, done));
-    }
-  }
-
-  void iterate(Done& done) {
-    for (Partner* partner : partners_) partner->save();
-    for (State& state : states_) state.relaxation.new_window();
-    double first_residual = 0;
-    for (done.iterations = 1;; ++done.iterations) {
-      if (done.iterations > 1) {
-        for (Partner* partner : partners_) partner->restore();
-      }
-      in_turn(done);
-      const auto [worst, residual] = worst_residual();
-      if (residual <= plan_.tolerance) return;
-      if (done.iterations == 1) first_residual = residual;
-      if (done.iterations < plan_.most_iterations) continue;
-      throw Error::unstable(
-          fmt::format(
-              "window {}: field '{}' did not converge in {} iterations: its residual went "
-              "from {:.3g} to {:.3g}, {:.3g} times per iteration",
-              done.window, plan_.fields[worst].name, done.iterations, first_residual, residual,
-              std::pow(residual / first_residual,
-                       1.0 / static_cast<double>(std::max<std::int64_t>(1, done.iterations - 1)))),
-          "a smaller 'relaxation', acceleration=aitken, a shorter window or more 'iterations' may "
-          "help");
-    }
-  }
-
-  [[nodiscard]] std::pair<std::size_t, double> worst_residual() const {
-    std::pair<std::size_t, double> worst{0, 0.0};
-    for (std::size_t f = 0; f < states_.size(); ++f) {
-      if (plan_.fields[f].relaxed && states_[f].residual >= worst.second) {
-        worst = {f, states_[f].residual};
-      }
-    }
-    return worst;
-  }
-
-  void watch(std::int64_t window) {
-    for (std::size_t f = 0; f < states_.size(); ++f) {
-      const auto found = states_[f].watch.observe(states_[f].sent);
-      if (!found) continue;
-      throw Error::unstable(
-          fmt::format("window {}: field '{}' from {} diverges: its change {}", window,
-                      plan_.fields[f].name, partners_[plan_.fields[f].from]->name(), found->text()),
-          "a shorter window, under-relaxation, or scheme=serial-implicit may keep it stable; the "
-          "limits are in 'coupling: stability'");
-    }
-  }
-
-  void begin(std::size_t p, Done& done) {
-    const double start = clock_.now();
-    for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
-      if (plan_.fields[f].to != p) continue;
-      const State& state = states_[f];
-      partners_[p]->give(f, changed_on_the_way(plan_.fields[f]) ? state.received : state.sent,
-                         state.received_shape);
-    }
-    done.timing.exchange += clock_.now() - start;
-    partners_[p]->begin(done.window, done.iterations, done.begin, done.end);
-  }
-
-  /// Returns the seconds that the partner worked.
-  double finish(std::size_t p, Done& done) {
-    partners_[p]->finish();
-    const double worked = partners_[p]->seconds();
-    done.timing.partners[p] += worked;
-    const double start = clock_.now();
-    for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
-      if (plan_.fields[f].from == p) accept(f, partners_[p]->take(f), done.window);
-    }
-    done.timing.exchange += clock_.now() - start;
-    return worked;
-  }
-
-  void accept(std::size_t f, const Partner::Sent& sent, std::int64_t window) {
-    const Field& field = plan_.fields[f];
-    const auto from = [&] {
-      return fmt::format("participant {}, window {}", partners_[field.from]->name(), window);
-    };
-    if (!sent.shape.empty() && sent.shape[0] < 0) {
-      throw Error::participant(fmt::format("{}: field '{}' was not sent", from(), field.name),
-                               "its script must send it before the end of every window");
-    }
-    const bool fits =
-        sent.shape.size() == field.shape.size() &&
-        std::equal(sent.shape.begin() + 1, sent.shape.end(), field.shape.begin() + 1) &&
-        (field.variable ? sent.shape[0] <= field.shape[0] : sent.shape[0] == field.shape[0]);
-    if (!fits) {
-      throw Error::participant(
-          fmt::format("{}: field '{}' was sent with shape {}, but the workflow says {}{}", from(),
-                      field.name, text_of(sent.shape), field.variable ? "at most " : "",
-                      text_of(field.shape)),
-          "change the script or the field's 'shape'");
-    }
-    require_finite(sent.values, [&] { return fmt::format("{}: field '{}'", from(), field.name); });
-    State& state = states_[f];
-    state.sent.assign(sent.values.begin(), sent.values.end());
-    state.sent_shape = sent.shape;
-    std::vector<double> next;
-    if (field.transform) {
-      next = field.transform(state.sent, state.sent_shape, state.received_shape);
-      require_finite(next, [&] {
-        return fmt::format("{}: field '{}' after its transform", from(), field.name);
-      });
-    } else {
-      state.received_shape = state.sent_shape;
-    }
-    if (field.relaxed) {
-      const std::span<const double> target = field.transform ? next : state.sent;
-      state.residual = relative_residual(state.received, target);
-      state.relaxation.step(state.received, target);
-    } else {
-      state.received = std::move(next);
-    }
-  }
-
-  const Plan& plan_;
-  const std::vector<Partner*>& partners_;
-  const Clock& clock_;
-  std::vector<State> states_;
-};
+bool changed_on_the_way(const Field& field) {
+  return static_cast<bool>(field.transform) || field.relaxed;
+}
 
 }  // namespace
 
-std::vector<Oscillation> run(const Plan& plan, const std::vector<Partner*>& partners,
-                             const Clock& clock,
-                             const std::function<void(std::int64_t window)>& before,
-                             const std::function<void(const Done&)>& after) {
-  Engine engine(plan, partners, clock);
-  for (std::int64_t index = 1; index <= plan.windows; ++index) {
-    before(index);
-    after(engine.window(index));
+/// The newest values of a field on both sides of its way.
+struct Engine::State {
+  std::vector<double> sent;
+  Shape sent_shape;
+  std::vector<double> received;  ///< stays empty where it is what was sent
+  Shape received_shape;
+  Relaxation relaxation;
+  StabilityWatch watch;
+  double residual = 0;  ///< of a relaxed field: |next - received| / |next|, before relaxation
+};
+
+Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock)
+    : plan_(plan), partners_(partners), clock_(clock) {
+  for (const Field& field : plan.fields) {
+    State& state = states_.emplace_back(State{
+        {}, {}, {}, {}, {plan.acceleration, plan.relaxation}, StabilityWatch(plan.stability)});
+    state.sent_shape = field.shape;
+    // Nothing has been counted yet where the number of rows is found at run time.
+    if (field.variable) state.sent_shape[0] = 0;
+    state.sent.assign(static_cast<size_t>(count_of(state.sent_shape)), field.initial);
+    state.received_shape = field.transform ? field.received_shape : state.sent_shape;
+    if (changed_on_the_way(field)) {
+      state.received.assign(static_cast<size_t>(count_of(state.received_shape)), field.initial);
+    }
   }
-  return engine.oscillations();
+}
+
+Engine::~Engine() = default;
+
+Done Engine::window(std::int64_t index) {
+  const double start = clock_.now();
+  Done done;
+  done.window = index;
+  // Products, not sums: the end of window n does not depend on how many came before.
+  done.begin = static_cast<double>(index - 1) * plan_.window;
+  done.end = static_cast<double>(index) * plan_.window;
+  done.timing.partners.assign(partners_.size(), 0.0);
+  if (plan_.scheme == Scheme::serial_explicit) {
+    in_turn(done);
+  } else if (plan_.scheme == Scheme::parallel_explicit) {
+    at_once(done);
+  } else {
+    iterate(done);
+  }
+  for (const State& state : states_) done.fields.push_back({state.sent, state.sent_shape});
+  watch(index);
+  done.timing.total = clock_.now() - start;
+  return done;
+}
+
+std::vector<Oscillation> Engine::oscillations() const {
+  std::vector<Oscillation> found;
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (const auto one = states_[f].watch.oscillation()) {
+      found.push_back({plan_.fields[f].name, *one});
+    }
+  }
+  return found;
+}
+
+void Engine::in_turn(Done& done) {
+  for (std::size_t p = 0; p < partners_.size(); ++p) {
+    begin(p, done);
+    done.timing.working += finish(p, done);
+  }
+}
+
+void Engine::at_once(Done& done) {
+  for (std::size_t p = 0; p < partners_.size(); ++p) begin(p, done);
+  for (std::size_t p = 0; p < partners_.size(); ++p) {
+    done.timing.working = std::max(done.timing.working, finish(p, done));
+  }
+}
+
+void Engine::iterate(Done& done) {
+  for (Partner* partner : partners_) partner->save();
+  for (State& state : states_) state.relaxation.new_window();
+  double first_residual = 0;
+  for (done.iterations = 1;; ++done.iterations) {
+    if (done.iterations > 1) {
+      for (Partner* partner : partners_) partner->restore();
+    }
+    in_turn(done);
+    const auto [worst, residual] = worst_residual();
+    if (residual <= plan_.tolerance) return;
+    if (done.iterations == 1) first_residual = residual;
+    if (done.iterations < plan_.most_iterations) continue;
+    throw Error::unstable(
+        fmt::format(
+            "window {}: field '{}' did not converge in {} iterations: its residual went "
+            "from {:.3g} to {:.3g}, {:.3g} times per iteration",
+            done.window, plan_.fields[worst].name, done.iterations, first_residual, residual,
+            std::pow(residual / first_residual,
+                     1.0 / static_cast<double>(std::max<std::int64_t>(1, done.iterations - 1)))),
+        "a smaller 'relaxation', acceleration=aitken, a shorter window or more 'iterations' may "
+        "help");
+  }
+}
+
+std::pair<std::size_t, double> Engine::worst_residual() const {
+  std::pair<std::size_t, double> worst{0, 0.0};
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (plan_.fields[f].relaxed && states_[f].residual >= worst.second) {
+      worst = {f, states_[f].residual};
+    }
+  }
+  return worst;
+}
+
+void Engine::watch(std::int64_t window) {
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    const auto found = states_[f].watch.observe(states_[f].sent);
+    if (!found) continue;
+    throw Error::unstable(
+        fmt::format("window {}: field '{}' from {} diverges: its change {}", window,
+                    plan_.fields[f].name, partners_[plan_.fields[f].from]->name(), found->text()),
+        "a shorter window, under-relaxation, or scheme=serial-implicit may keep it stable; the "
+        "limits are in 'coupling: stability'");
+  }
+}
+
+void Engine::begin(std::size_t p, Done& done) {
+  const double start = clock_.now();
+  for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
+    if (plan_.fields[f].to != p) continue;
+    const State& state = states_[f];
+    partners_[p]->give(f, changed_on_the_way(plan_.fields[f]) ? state.received : state.sent,
+                       state.received_shape);
+  }
+  done.timing.exchange += clock_.now() - start;
+  partners_[p]->begin(done.window, done.iterations, done.begin, done.end);
+}
+
+double Engine::finish(std::size_t p, Done& done) {
+  partners_[p]->finish();
+  const double worked = partners_[p]->seconds();
+  done.timing.partners[p] += worked;
+  const double start = clock_.now();
+  for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
+    if (plan_.fields[f].from == p) accept(f, partners_[p]->take(f), done.window);
+  }
+  done.timing.exchange += clock_.now() - start;
+  return worked;
+}
+
+void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t window) {
+  const Field& field = plan_.fields[f];
+  const auto from = [&] {
+    return fmt::format("participant {}, window {}", partners_[field.from]->name(), window);
+  };
+  if (!sent.shape.empty() && sent.shape[0] < 0) {
+    throw Error::participant(fmt::format("{}: field '{}' was not sent", from(), field.name),
+                             "its script must send it before the end of every window");
+  }
+  const bool fits =
+      sent.shape.size() == field.shape.size() &&
+      std::equal(sent.shape.begin() + 1, sent.shape.end(), field.shape.begin() + 1) &&
+      (field.variable ? sent.shape[0] <= field.shape[0] : sent.shape[0] == field.shape[0]);
+  if (!fits) {
+    throw Error::participant(
+        fmt::format("{}: field '{}' was sent with shape {}, but the workflow says {}{}", from(),
+                    field.name, text_of(sent.shape), field.variable ? "at most " : "",
+                    text_of(field.shape)),
+        "change the script or the field's 'shape'");
+  }
+  require_finite(sent.values, [&] { return fmt::format("{}: field '{}'", from(), field.name); });
+  State& state = states_[f];
+  state.sent.assign(sent.values.begin(), sent.values.end());
+  state.sent_shape = sent.shape;
+  std::vector<double> next;
+  if (field.transform) {
+    next = field.transform(state.sent, state.sent_shape, state.received_shape);
+    require_finite(next, [&] {
+      return fmt::format("{}: field '{}' after its transform", from(), field.name);
+    });
+  } else {
+    state.received_shape = state.sent_shape;
+  }
+  if (field.relaxed) {
+    const std::span<const double> target = field.transform ? next : state.sent;
+    state.residual = relative_residual(state.received, target);
+    state.relaxation.step(state.received, target);
+  } else {
+    state.received = std::move(next);
+  }
+}
+
+void Engine::remember(Memory& memory) {
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    State& state = states_[f];
+    const std::string& name = plan_.fields[f].name;
+    memory(name + ".sent", state.sent);
+    memory(name + ".sent_shape", state.sent_shape);
+    memory(name + ".received", state.received);
+    memory(name + ".received_shape", state.received_shape);
+    state.relaxation.remember(memory, name + ".relaxation");
+    state.watch.remember(memory, name + ".watch");
+  }
 }
 
 }  // namespace sandglass::coupling

@@ -4,9 +4,11 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "coupling/memory.hpp"
 #include "coupling/relaxation.hpp"
 #include "coupling/scheme.hpp"
 #include "coupling/stability.hpp"
@@ -99,14 +101,41 @@ struct Done {
   Timing timing;
 };
 
-/// Runs all windows of the plan. Calls `before` ahead of and `after` behind each. Throws
-/// Error::participant for an array of the wrong shape, Error::unstable for a value that is not
-/// finite, a field that diverges, or an iteration that does not converge, each naming participant,
-/// field and window, and passes on what partners throw. Everything handed to `after` until then is
-/// whole. Returns what oscillated without diverging.
-std::vector<Oscillation> run(const Plan& plan, const std::vector<Partner*>& partners,
-                             const Clock& clock,
-                             const std::function<void(std::int64_t window)>& before,
-                             const std::function<void(const Done&)>& after);
+/// Runs the windows of a plan, one after the other.
+class Engine {
+ public:
+  /// All of these must outlive the engine.
+  Engine(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// Runs the window of this index, counted from 1. What is returned holds until the next call.
+  /// Throws Error::participant for an array of the wrong shape, Error::unstable for a value that is
+  /// not finite, a field that diverges, or an iteration that does not converge, each naming
+  /// participant, field and window, and passes on what partners throw.
+  Done window(std::int64_t index);
+  /// What oscillated so far without diverging.
+  [[nodiscard]] std::vector<Oscillation> oscillations() const;
+  /// Keeps or recalls all that the next window depends on besides the partners' own states.
+  void remember(Memory& memory);
+
+ private:
+  struct State;
+  void in_turn(Done& done);
+  void at_once(Done& done);
+  void iterate(Done& done);
+  [[nodiscard]] std::pair<std::size_t, double> worst_residual() const;
+  void watch(std::int64_t window);
+  void begin(std::size_t p, Done& done);
+  /// Returns the seconds that the partner worked.
+  double finish(std::size_t p, Done& done);
+  void accept(std::size_t f, const Partner::Sent& sent, std::int64_t window);
+
+  const Plan& plan_;
+  const std::vector<Partner*>& partners_;
+  const Clock& clock_;
+  std::vector<State> states_;
+};
 
 }  // namespace sandglass::coupling

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "coupling/memory.hpp"
+
 namespace sandglass::coupling {
 
 enum class Acceleration {
@@ -27,6 +29,11 @@ class Relaxation {
   /// Wall, 2008).
   void new_window();
   [[nodiscard]] double factor() const { return factor_; }
+  /// Keeps or recalls what the next window depends on.
+  void remember(Memory& memory, const std::string& name) {
+    memory(name + ".factor", factor_);
+    memory(name + ".residual", last_residual_);
+  }
 
  private:
   Acceleration acceleration_;

@@ -142,4 +142,26 @@ std::optional<Finding> StabilityWatch::oscillation() const {
   return Finding{decay_, true};
 }
 
+void StabilityWatch::remember(Memory& memory, const std::string& name) {
+  memory(name + ".last", last_);
+  memory(name + ".change", last_change_);
+  memory(name + ".scale", scale_);
+  memory(name + ".last_size", last_size_);
+  memory(name + ".last_growth", last_growth_);
+  memory(name + ".largest_ever", largest_ever_);
+  memory(name + ".largest_before", largest_before_);
+  memory(name + ".oscillating_blocks", oscillating_blocks_);
+  memory(name + ".decay", decay_);
+  std::size_t count = blocks_.size();
+  memory(name + ".blocks", count);
+  blocks_.resize(count);
+  const auto one = [&](Block& block, const std::string& at) {
+    memory(at + ".largest", block.largest);
+    memory(at + ".turns", block.turns);
+    memory(at + ".windows", block.windows);
+  };
+  one(block_, name + ".block");
+  for (std::size_t b = 0; b < count; ++b) one(blocks_[b], fmt::format("{}.block{}", name, b));
+}
+
 }  // namespace sandglass::coupling

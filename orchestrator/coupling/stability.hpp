@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "coupling/memory.hpp"
+
 namespace sandglass::coupling {
 
 /// When the watch speaks.
@@ -40,6 +42,8 @@ class StabilityWatch {
   std::optional<Finding> observe(std::span<const double> values);
   /// An oscillation that has decayed, or is decaying: worth a warning when the run has ended.
   [[nodiscard]] std::optional<Finding> oscillation() const;
+  /// Keeps or recalls what has been seen so far.
+  void remember(Memory& memory, const std::string& name);
 
  private:
   struct Block {

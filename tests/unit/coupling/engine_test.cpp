@@ -108,6 +108,18 @@ Plan plan_of(Scheme scheme, double window, std::int64_t windows, std::vector<Fie
   return plan;
 }
 
+/// All windows of the plan.
+std::vector<Oscillation> run(const Plan& plan, const std::vector<Partner*>& partners,
+                             const Clock& clock, const std::function<void(std::int64_t)>& before,
+                             const std::function<void(const Done&)>& after) {
+  Engine engine(plan, partners, clock);
+  for (std::int64_t index = 1; index <= plan.windows; ++index) {
+    before(index);
+    after(engine.window(index));
+  }
+  return engine.oscillations();
+}
+
 // ---- order and lag
 
 class Order : public testing::Test {
@@ -483,6 +495,88 @@ TEST(Timings, AddUp) {
   run(plan, {&fluid, &grains}, clock, kIgnoreBefore, [&](const Done& done) {
     EXPECT_EQ(done.timing.working, 2.5) << "the slower one is waited for";
   });
+}
+
+// ---- memory
+
+/// A sphere's velocity under a drag that another one computes: partners with a state of their own.
+class Memorized : public testing::TestWithParam<std::pair<Scheme, Acceleration>> {
+ protected:
+  static constexpr std::int64_t kWindows = 30;
+
+  /// Windows `first` to `last`; the state before them is given and the one behind them returned.
+  struct State {
+    double velocity = 0;
+    Memory::Arrays memory;
+    std::vector<double> drags;
+    std::vector<std::string> oscillating;
+  };
+  static State go_on(State state, std::int64_t first, std::int64_t last) {
+    const auto [scheme, acceleration] = GetParam();
+    Plan plan = plan_of(scheme, 0.1, kWindows, {field("velocity", 1, 0), field("drag", 0, 1)});
+    plan.stability.active = true;
+    plan.acceleration = acceleration;
+    plan.relaxation = 0.6;
+    plan.fields[0].relaxed = acceleration != Acceleration::none;
+    FakePartner fluid("fluid", [](FakePartner& self) {
+      const double v = self.received[0][0];
+      self.send(1, {-0.7 * v - 0.05 * v * std::abs(v)});
+    });
+    double before = state.velocity;
+    FakePartner grains("grains", [&](FakePartner& self) {
+      state.velocity = before + 1.0 + self.received[1][0];
+      self.send(0, {state.velocity});
+    });
+    const FakeClock clock;
+    const std::vector<Partner*> partners{&fluid, &grains};
+    Engine engine(plan, partners, clock);
+    if (first > 1) {
+      Memory memory(state.memory);
+      engine.remember(memory);
+    }
+    for (std::int64_t index = first; index <= last; ++index) {
+      before = state.velocity;
+      const Done done = engine.window(index);
+      state.drags.push_back(done.fields[1].values[0]);
+    }
+    Memory memory;
+    engine.remember(memory);
+    state.memory = memory.arrays();
+    for (const Oscillation& one : engine.oscillations()) {
+      state.oscillating.push_back(one.field + one.finding.text());
+    }
+    return state;
+  }
+};
+
+TEST_P(Memorized, BrokenAnywhereItEndsWithTheSameBits) {
+  const State whole = go_on({}, 1, kWindows);
+  for (std::int64_t cut = 1; cut < kWindows; ++cut) {
+    State first = go_on({}, 1, cut);
+    first.oscillating.clear();
+    const State rest = go_on(first, cut + 1, kWindows);
+    EXPECT_EQ(rest.drags, whole.drags) << cut;
+    EXPECT_EQ(rest.memory, whole.memory) << cut;
+    EXPECT_EQ(rest.oscillating, whole.oscillating) << cut;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllSchemes, Memorized,
+                         testing::Values(std::pair{Scheme::serial_explicit, Acceleration::none},
+                                         std::pair{Scheme::serial_explicit, Acceleration::constant},
+                                         std::pair{Scheme::parallel_explicit,
+                                                   Acceleration::constant},
+                                         std::pair{Scheme::serial_implicit, Acceleration::constant},
+                                         std::pair{Scheme::serial_implicit, Acceleration::aitken}));
+
+TEST(EngineMemory, AnotherCheckpointIsRefused) {
+  const Plan plan = plan_of(Scheme::serial_explicit, 0.1, 3, {field("drag", 0, kNobody)});
+  FakePartner only("fluid", kNothing);
+  const std::vector<Partner*> partners{&only};
+  const FakeClock clock;
+  Engine engine(plan, partners, clock);
+  Memory memory(Memory::Arrays{{"velocity.sent", {1}}});
+  EXPECT_EQ(error_of([&] { engine.remember(memory); }).code(), ExitCode::environment);
 }
 
 }  // namespace
