@@ -75,6 +75,8 @@ int main_program(int argc, char** argv) {
   Session session;
   session.command.assign(argv, argv + argc);
   add_run(app, session);
+  add_resume(app, session);
+  add_replay(app, session);
   add_check(app, session);
   add_plan(app, session);
   add_report(app, session);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "run/run.hpp"
 #include "workflow/model.hpp"
 
 /// The command line: one file per verb. Nothing below this room prints.
@@ -24,6 +25,8 @@ struct Session {
 };
 
 void add_run(CLI::App& app, Session& session);
+void add_resume(CLI::App& app, Session& session);
+void add_replay(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
@@ -38,6 +41,9 @@ void add_completion(CLI::App& app, Session& session);
 /// A verb with its examples, which end its help.
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& description,
                    const std::string& examples);
+
+/// Prints what came of a run: comparisons, time, where to look. Returns the exit status.
+ExitCode show_ended(const run::Ended& ended);
 
 /// The options of every verb that reads a workflow: FILE, --set, --no-prune.
 struct WorkflowOptions {

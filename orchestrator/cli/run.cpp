@@ -51,14 +51,18 @@ ExitCode execute(const Options& options, const std::vector<std::string>& command
     TerminalStatus status;
     ended = run::execute(workflow, home, run_options, status);
   }
+  return show_ended(ended);
+}
+
+}  // namespace
+
+ExitCode show_ended(const run::Ended& ended) {
   if (!ended.error.empty()) fmt::print(stderr, "sandglass: {}\n", ended.error);
   if (ended.code == ExitCode::done || ended.code == ExitCode::mismatch) show_result(ended);
   fmt::print("result  {}/result.json\n", ended.directory);
   if (!ended.report.empty()) fmt::print("report  {}\n", ended.report);
   return ended.code;
 }
-
-}  // namespace
 
 void add_run(CLI::App& app, Session& session) {
   auto options = std::make_shared<Options>();

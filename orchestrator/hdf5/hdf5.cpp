@@ -183,6 +183,16 @@ Location File::reserve(const std::string& name, Type type, const Shape& shape) {
   return {offset, static_cast<std::uint64_t>(count_of(shape)) * 8};
 }
 
+Location File::location(const std::string& name) const {
+  const std::string doing = "read " + name;
+  const Handle dataset(H5Dopen2(handle_, name.c_str(), H5P_DEFAULT), H5Dclose, doing, path_);
+  const std::uint64_t bytes = H5Dget_storage_size(dataset);
+  if (bytes == 0) return {};
+  const haddr_t offset = H5Dget_offset(dataset);
+  if (offset == HADDR_UNDEF) fail("find the place of " + name, path_);
+  return {offset, bytes};
+}
+
 void File::write(const std::string& name, const Shape& shape, const std::vector<double>& values) {
   write_dataset(handle_, path_, name, Type::float64, H5T_NATIVE_DOUBLE, shape, values);
 }

@@ -35,6 +35,8 @@ class File {
   /// not filled (the file is extended, not written; it reads as zeros). Groups on the way are made.
   /// A shape without values has no place: {0, 0}.
   Location reserve(const std::string& name, Type type, const Shape& shape);
+  /// Of a contiguous dataset that is there; {0, 0} where it has no values.
+  [[nodiscard]] Location location(const std::string& name) const;
   void write(const std::string& name, const Shape& shape, const std::vector<double>& values);
   void write(const std::string& name, const Shape& shape, const std::vector<std::int64_t>& values);
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/file.hpp"
 
 namespace sandglass::participant {
 namespace {
@@ -20,10 +21,17 @@ constexpr int kLooks = 100;
 constexpr size_t kLongestLine = 65536;
 constexpr size_t kMostNotes = 1000;
 
+/// A state may be a file or a folder.
+void copy_state(const std::string& from, const std::string& to) {
+  std::error_code error;
+  std::filesystem::copy(from, to, std::filesystem::copy_options::recursive, error);
+  if (error) throw_system_error("copy the state to", to, error.value());
+}
+
 /// One that has done its service; nothing depends on its being gone.
 void remove_file(const std::string& path) {
   std::error_code ignored;
-  std::filesystem::remove(path, ignored);
+  std::filesystem::remove_all(path, ignored);
 }
 
 }  // namespace
@@ -93,7 +101,7 @@ void Participant::begin(const exchange::Window& window) {
           "is to be fresh in every window but can neither write its state nor is stateless",
           "use 'process: resident'");
     }
-    if (window.index > 1 && !stateless) load(state_path(window.index - 1));
+    if (window.index > 1 && !stateless) read_state(state_path(window.index - 1));
   }
   if (description_.mapped) {
     say("advance");
@@ -121,7 +129,7 @@ void Participant::finish() {
   }
   window_seconds_ = slot_.seconds();
   if (description_.fresh) {
-    if (!abilities_.contains("stateless")) checkpoint(state_path(index));
+    if (!abilities_.contains("stateless")) write_state(state_path(index));
     stop();
     if (index > 1) remove_file(state_path(index - 1));
   }
@@ -140,11 +148,29 @@ void Participant::restore() {
 }
 
 void Participant::checkpoint(const std::string& path) {
+  if (abilities_.contains("stateless")) return;
+  if (description_.fresh) {
+    copy_state(state_path(slot_.window().index), path);
+  } else {
+    write_state(path);
+  }
+}
+
+void Participant::go_on_from(const std::string& path, std::int64_t window) {
+  if (!std::filesystem::exists(path)) return;
+  if (description_.fresh) {
+    copy_state(path, state_path(window));
+  } else {
+    read_state(path);
+  }
+}
+
+void Participant::write_state(const std::string& path) {
   say("checkpoint " + path);
   hear_ok("checkpoint");
 }
 
-void Participant::load(const std::string& path) {
+void Participant::read_state(const std::string& path) {
   say("load " + path);
   hear_ok("load");
 }

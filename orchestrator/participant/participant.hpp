@@ -60,9 +60,11 @@ class Participant {
   /// Keeps or brings back its state in memory (iterated schemes).
   void save();
   void restore();
-  /// Writes its state, and goes on from what a reader of it would have.
+  /// Writes its state behind the window that was done last, and goes on from what a reader of it
+  /// would have. A participant without a state writes nothing.
   void checkpoint(const std::string& path);
-  void load(const std::string& path);
+  /// Takes the state that `checkpoint` wrote behind this window; nothing where it wrote nothing.
+  void go_on_from(const std::string& path, std::int64_t window);
   /// Executes this script from the next window on.
   void use_window_script(const std::string& path);
   /// Ends it in good order and waits for its exit.
@@ -78,6 +80,8 @@ class Participant {
   [[nodiscard]] const std::vector<Saving>& savings() const { return savings_; }
 
  private:
+  void write_state(const std::string& path);
+  void read_state(const std::string& path);
   void say(const std::string& line);
   /// Waits for the next line that is an answer.
   std::string hear();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -27,6 +28,44 @@ void describe_field(hdf5::File& file, const RecordedField& field) {
   file.set_attribute(name, "to", field.to);
 }
 
+class Descriptor {
+ public:
+  Descriptor(const std::string& path, int flags)
+      : number_(::open(path.c_str(), flags | O_CLOEXEC)) {
+    if (number_ < 0) throw_system_error("open the record", path, errno);
+  }
+  ~Descriptor() { ::close(number_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+void copy_bytes(const Descriptor& from, std::uint64_t from_offset, const Descriptor& to,
+                std::uint64_t to_offset, std::uint64_t count) {
+  std::vector<char> block(std::min<std::uint64_t>(count, 1U << 20U));
+  while (count > 0) {
+    const ssize_t read =
+        ::pread(from.number(), block.data(), std::min<std::uint64_t>(count, block.size()),
+                static_cast<off_t>(from_offset));
+    if (read < 0 && errno == EINTR) continue;
+    if (read <= 0) throw_system_error("read the record", "record.h5", read < 0 ? errno : EIO);
+    for (ssize_t done = 0; done < read;) {
+      const ssize_t written =
+          ::pwrite(to.number(), block.data() + done, static_cast<std::size_t>(read - done),
+                   static_cast<off_t>(to_offset) + done);
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throw_system_error("write the record", "record.h5", errno);
+      done += written;
+    }
+    from_offset += static_cast<std::uint64_t>(read);
+    to_offset += static_cast<std::uint64_t>(read);
+    count -= static_cast<std::uint64_t>(read);
+  }
+}
+
 hdf5::Shape with_windows(std::int64_t windows, const hdf5::Shape& shape) {
   hdf5::Shape all{windows};
   all.insert(all.end(), shape.begin(), shape.end());
@@ -36,7 +75,7 @@ hdf5::Shape with_windows(std::int64_t windows, const hdf5::Shape& shape) {
 }  // namespace
 
 Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField> fields,
-               std::vector<std::string> timing_columns)
+               std::vector<std::string> timing_columns, std::int64_t kept)
     : path_(std::move(path)),
       planned_(windows),
       fields_(std::move(fields)),
@@ -62,11 +101,42 @@ Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField
     describe_field(file, field);
   }
   file.close();
+  if (kept > 0) take_over(temporary, kept);
   if (std::rename(temporary.c_str(), path_.c_str()) != 0) {
     throw_system_error("rename", temporary, errno);
   }
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw_system_error("open the record", path_, errno);
+}
+
+void Record::take_over(const std::string& to, std::int64_t kept) {
+  const hdf5::File old(path_, hdf5::File::Mode::read);
+  if (old.read_counts("/windows").at(0) < kept) {
+    throw Error::environment(
+        fmt::format("the record '{}' holds {} windows, fewer than the checkpoint's {}", path_,
+                    old.read_counts("/windows").at(0), kept),
+        "it was changed after the run: run anew");
+  }
+  const Descriptor from(path_, O_RDONLY);
+  const Descriptor target(to, O_WRONLY);
+  const auto copy = [&](const std::string& name, const Column& column) {
+    copy_bytes(from, old.location(name).offset, target, column.offset,
+               static_cast<std::uint64_t>(kept) * column.row_bytes);
+  };
+  copy("/time", time_);
+  copy("/iterations", iterations_);
+  for (std::size_t t = 0; t < timings_.size(); ++t) {
+    copy("/timings/" + timing_columns_[t], timings_[t]);
+  }
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    if (fields_[f].variable) copy("/counts/" + fields_[f].name, counts_[f]);
+    copy("/fields/" + fields_[f].name, values_[f]);
+  }
+  appended_ = kept;
+  descriptor_ = target.number();
+  write_at(windows_.offset, &appended_, sizeof appended_);
+  descriptor_ = -1;
+  if (::fsync(target.number()) != 0) throw_system_error("flush the record", to, errno);
 }
 
 Record::~Record() {
@@ -102,6 +172,10 @@ void Record::append(const Row& row) {
   // Last: a row counts only when all of it is there.
   ++appended_;
   write_at(windows_.offset, &appended_, sizeof appended_);
+}
+
+void Record::flush() {
+  if (::fsync(descriptor_) != 0) throw_system_error("flush the record", path_, errno);
 }
 
 void Record::close() {

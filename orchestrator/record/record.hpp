@@ -39,8 +39,10 @@ struct Row {
 /// appended: no HDF5 structure changes after the start. Space is taken as windows come.
 class Record {
  public:
+  /// With `kept` above zero it goes on behind that many windows of the record that is there, which
+  /// must have them and the same layout.
   Record(std::string path, std::int64_t windows, std::vector<RecordedField> fields,
-         std::vector<std::string> timing_columns);
+         std::vector<std::string> timing_columns, std::int64_t kept = 0);
   ~Record();
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
@@ -48,7 +50,9 @@ class Record {
   /// Throws Error::environment (a full disk among others); windows appended before stay whole.
   void append(const Row& row);
   [[nodiscard]] std::int64_t windows() const { return appended_; }
-  /// Flushes to the disk. A run that ended before its last planned window gets its datasets cut to
+  /// Brings what was appended to the disk.
+  void flush();
+  /// Flushes. A run that ended before its last planned window gets its datasets cut to
   /// what was done, where the disk has room for that.
   void close();
 
@@ -57,6 +61,8 @@ class Record {
     std::uint64_t offset = 0;     ///< of row 0 in the file
     std::uint64_t row_bytes = 0;  ///< of one row
   };
+  /// Takes the first `kept` windows over from the record at `path_` into the new file.
+  void take_over(const std::string& to, std::int64_t kept);
   void write_at(std::uint64_t offset, const void* bytes, std::size_t count);
   void cut();
 

@@ -13,7 +13,8 @@ namespace sandglass::record {
 /// | logs/ | output and errors of every program |
 /// | exchange/, work/ | slots; participants' work directories |
 /// | stages/NAME/ | what stages made |
-/// | record.h5 | the history of all windows |
+/// | record.h5, checkpoints/ | the history of all windows; from where it can be gone on with |
+/// | run.json | what the run began with |
 /// | provenance.json, status.json, result.json | what was used; how it stands; how it ended |
 /// | figures/, report.html | what to look at |
 class RunDirectory {

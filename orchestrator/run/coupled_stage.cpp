@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "coupling/engine.hpp"
 #include "exchange/transform.hpp"
+#include "record/checkpoint.hpp"
 #include "record/record.hpp"
 #include "run/solvers.hpp"
 
@@ -152,12 +153,16 @@ coupling::Plan plan_of(const workflow::Coupling& coupling) {
 class CoupledRun {
  public:
   CoupledRun(const workflow::Workflow& workflow, const Home& home,
-             const record::RunDirectory& directory, Scripts& scripts, CoupledOutcome& outcome)
+             const record::RunDirectory& directory, Scripts& scripts, const Span& span,
+             CoupledOutcome& outcome)
       : workflow_(workflow),
         coupling_(*workflow.coupling),
         home_(home),
         directory_(directory),
         scripts_(scripts),
+        span_(span),
+        until_(span.until > 0 ? span.until : coupling_.windows),
+        checkpoints_(directory),
         outcome_(outcome) {}
 
   void run(const std::function<void(std::int64_t, double)>& progress) {
@@ -185,15 +190,44 @@ class CoupledRun {
       if (!fresh_[p]) participants_[p]->wait_until_ready();
     }
     require_abilities();
+    if (span_.behind > 0) go_on();
     outcome_.start_seconds = clock_.now() - start;
   }
 
-  /// A scheme that repeats windows needs participants that can go back.
+  /// Takes up the participants' states behind the window of a checkpoint.
+  void go_on() {
+    const record::Checkpoints checkpoints(*span_.checkpoints);
+    for (auto& participant : participants_) {
+      participant->go_on_from(checkpoints.state_of(span_.behind, participant->name()),
+                              span_.behind);
+    }
+    record::CouplingState state = checkpoints.coupling_state(span_.behind);
+    outcome_.elapsed_before = state.elapsed;
+    memory_ = std::move(state.arrays);
+    outcome_.windows = span_.behind;
+    outcome_.windows_taken = span_.behind;
+    outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
+  }
+
+  [[nodiscard]] bool has(const Participant& participant, const char* ability) const {
+    return participant.abilities().contains(ability) ||
+           participant.abilities().contains("stateless");
+  }
+
+  /// A checkpoint needs participants that can write their state, a scheme that repeats windows ones
+  /// that can go back.
   void require_abilities() const {
+    for (std::size_t p = 0; coupling_.checkpoint_every > 0 && p < participants_.size(); ++p) {
+      if (fresh_[p] || has(*participants_[p], "disk")) continue;
+      throw Error::refused(
+          coupling_.place,
+          fmt::format("checkpoints are asked for, but participant '{}' cannot write its state",
+                      participants_[p]->name()),
+          "set checkpoint_every of 'record' to 0, or give it the ability 'disk'");
+    }
     if (coupling_.scheme != workflow::Scheme::serial_implicit) return;
     for (std::size_t p = 0; p < participants_.size(); ++p) {
-      const auto& abilities = participants_[p]->abilities();
-      if (!fresh_[p] && (abilities.contains("memory") || abilities.contains("stateless"))) continue;
+      if (!fresh_[p] && has(*participants_[p], "memory")) continue;
       throw Error::refused(
           coupling_.place,
           fmt::format("scheme serial-implicit repeats windows, but participant '{}' {}",
@@ -221,7 +255,7 @@ class CoupledRun {
     if (!one.window_template_path.empty()) {
       auto script = std::make_unique<WindowScript>(
           one, used_by(scripts_.get(one.window_template_path), values), scripts_);
-      description.window_script = script->render(1, 0.0, coupling_.window);
+      description.window_script = render_for(*script, span_.behind + 1);
       if (script->changes()) window_scripts_.back() = std::move(script);
     }
     description.command = participant_command(home_, one, description.script);
@@ -250,21 +284,30 @@ class CoupledRun {
     std::vector<std::string> columns = coupling_.order;
     columns.insert(columns.end(), {"exchange", "render", "orchestrator"});
     record_ = std::make_unique<record::Record>(directory_.file("record.h5"), coupling_.windows,
-                                               std::move(fields), std::move(columns));
+                                               std::move(fields), std::move(columns),
+                                               span_.keeps_record ? span_.behind : 0);
   }
 
   void loop(const std::function<void(std::int64_t, double)>& progress) {
     std::vector<coupling::Partner*> partners;
     for (auto& partner : partners_) partners.push_back(partner.get());
     const double start = clock_.now();
-    const auto swinging = coupling::run(
-        plan_of(coupling_), partners, clock_, [&](std::int64_t index) { use_scripts(index); },
-        [&](const coupling::Done& done) {
-          append(done);
-          outcome_.loop_seconds = clock_.now() - start;
-          progress(done.window, done.end);
-        });
-    for (const coupling::Oscillation& one : swinging) {
+    const coupling::Plan plan = plan_of(coupling_);
+    coupling::Engine engine(plan, partners, clock_);
+    if (span_.behind > 0) {
+      coupling::Memory memory(std::move(memory_));
+      engine.remember(memory);
+    }
+    for (std::int64_t index = span_.behind + 1; index <= until_; ++index) {
+      if (index > span_.behind + 1) use_scripts(index);
+      const coupling::Done done = engine.window(index);
+      append(done);
+      const bool due = coupling_.checkpoint_every > 0 && index % coupling_.checkpoint_every == 0;
+      if (due && index < coupling_.windows) checkpoint(engine, index);
+      outcome_.loop_seconds = clock_.now() - start;
+      progress(done.window, done.end);
+    }
+    for (const coupling::Oscillation& one : engine.oscillations()) {
       outcome_.notes.push_back(
           fmt::format("coupling: field '{}' oscillates from window to window: its change {}; a "
                       "shorter window or "
@@ -273,13 +316,32 @@ class CoupledRun {
     }
   }
 
+  [[nodiscard]] std::string render_for(WindowScript& script, std::int64_t index) const {
+    return script.render(index, static_cast<double>(index - 1) * coupling_.window,
+                         static_cast<double>(index) * coupling_.window);
+  }
+
+  /// By count and not by the clock: a checkpoint may touch a solver's trajectory.
+  void checkpoint(coupling::Engine& engine, std::int64_t window) {
+    const double start = clock_.now();
+    const std::string folder = checkpoints_.begin(window);
+    for (auto& participant : participants_) {
+      participant->checkpoint(folder + "/" + participant->name());
+    }
+    coupling::Memory memory;
+    engine.remember(memory);
+    record_->flush();
+    const double elapsed = outcome_.elapsed_before + clock_.now() - span_.began;
+    checkpoints_.complete(window, {elapsed, memory.arrays()});
+    if (coupling_.checkpoints_kept > 0) checkpoints_.keep(coupling_.checkpoints_kept);
+    outcome_.checkpoint_seconds += clock_.now() - start;
+  }
+
   void use_scripts(std::int64_t index) {
     const double start = clock_.now();
     for (std::size_t p = 0; p < participants_.size(); ++p) {
-      if (!window_scripts_[p] || index == 1) continue;
-      participants_[p]->use_window_script(
-          window_scripts_[p]->render(index, static_cast<double>(index - 1) * coupling_.window,
-                                     static_cast<double>(index) * coupling_.window));
+      if (!window_scripts_[p]) continue;
+      participants_[p]->use_window_script(render_for(*window_scripts_[p], index));
     }
     render_of_window_ = clock_.now() - start;
   }
@@ -331,6 +393,10 @@ class CoupledRun {
   const Home& home_;
   const record::RunDirectory& directory_;
   Scripts& scripts_;
+  const Span& span_;
+  std::int64_t until_;
+  record::Checkpoints checkpoints_;
+  coupling::Memory::Arrays memory_;
   CoupledOutcome& outcome_;
   SystemClock clock_;
   Watch watch_;
@@ -346,14 +412,16 @@ class CoupledRun {
 }  // namespace
 
 double CoupledOutcome::overhead_per_window() const {
-  if (windows == 0) return 0;
-  return std::max(0.0, loop_seconds - working_seconds) / static_cast<double>(windows);
+  if (windows == windows_taken) return 0;
+  return std::max(0.0, loop_seconds - working_seconds - checkpoint_seconds) /
+         static_cast<double>(windows - windows_taken);
 }
 
 void run_coupling(const workflow::Workflow& workflow, const Home& home,
-                  const record::RunDirectory& directory, Scripts& scripts, CoupledOutcome& outcome,
+                  const record::RunDirectory& directory, Scripts& scripts, const Span& span,
+                  CoupledOutcome& outcome,
                   const std::function<void(std::int64_t window, double time)>& progress) {
-  CoupledRun(workflow, home, directory, scripts, outcome).run(progress);
+  CoupledRun(workflow, home, directory, scripts, span, outcome).run(progress);
 }
 
 }  // namespace sandglass::run

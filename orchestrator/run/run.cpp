@@ -15,11 +15,13 @@
 #include "base/unit.hpp"
 #include "hdf5/hdf5.hpp"
 #include "process/interrupt.hpp"
+#include "record/checkpoint.hpp"
 #include "record/provenance.hpp"
 #include "report/analysis.hpp"
 #include "report/compare.hpp"
 #include "report/page.hpp"
 #include "report/result.hpp"
+#include "run/beginning.hpp"
 #include "run/coupled_stage.hpp"
 #include "run/solvers.hpp"
 #include "run/stage.hpp"
@@ -54,15 +56,22 @@ std::vector<record::UsedProgram> identify_all(const Home& home,
 
 class Run {
  public:
-  Run(const workflow::Workflow& workflow, const Home& home, const Options& options, Status& status)
+  /// `beginning` is that of a run to go on with; none: a new one.
+  Run(const workflow::Workflow& workflow, const Home& home, const Options& options, Status& status,
+      record::RunDirectory directory, std::optional<Beginning> beginning)
       : workflow_(workflow),
         home_(home),
         options_(options),
         started_(clock_.now()),
-        directory_(record::RunDirectory::create(options.out, options.runs, workflow.name)),
+        directory_(std::move(directory)),
         scripts_(home.templates(), directory_.folder("scripts")),
-        status_(directory_.file("status.json"), status) {
-    started_date_ = date_and_time();
+        status_(directory_.file("status.json"), status),
+        resumed_(beginning.has_value()) {
+    if (!beginning) {
+      write_file(directory_.file("workflow.yaml"), read_file(workflow.path));
+      beginning = begin_run(workflow, home, options.command, directory_);
+    }
+    beginning_ = std::move(*beginning);
     write_file(directory_.file(kReserve), std::string(kReserveBytes, '0'));
     progress_.name = std::filesystem::path(directory_.path()).filename().string();
   }
@@ -98,7 +107,6 @@ class Run {
   }
 
   void prepare() {
-    write_file(directory_.file("workflow.yaml"), read_file(workflow_.path));
     write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
     // Reading whole solvers takes a while: it is done while they start.
     solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_));
@@ -118,21 +126,38 @@ class Run {
     }
   }
 
+  /// A run that goes on does so behind its newest checkpoint that the record reaches.
+  [[nodiscard]] Span span() const {
+    Span span;
+    span.began = started_;
+    span.checkpoints = &directory_;
+    if (!resumed_) return span;
+    const record::Checkpoints checkpoints(directory_);
+    span.behind = checkpoints.newest(workflow_.coupling->windows).value_or(0);
+    checkpoints.drop_behind(span.behind);
+    return span;
+  }
+
   void couple() {
     const double start = clock_.now();
+    const Span span = this->span();
+    if (span.behind > 0) {
+      outcome_.notes.push_back(fmt::format("run: went on behind window {}", span.behind));
+    }
     progress_.windows = workflow_.coupling->windows;
     progress_.end = static_cast<double>(progress_.windows) * workflow_.coupling->window;
-    run_coupling(
-        workflow_, home_, directory_, scripts_, outcome_, [&](std::int64_t window, double time) {
-          const double now = clock_.now();
-          progress_.window = window;
-          progress_.time = time;
-          progress_.elapsed = now - started_;
-          progress_.rate =
-              static_cast<double>(window) / std::max(1e-9, now - start - outcome_.start_seconds);
-          progress_.left = static_cast<double>(progress_.windows - window) / progress_.rate;
-          status_.window(progress_);
-        });
+    run_coupling(workflow_, home_, directory_, scripts_, span, outcome_,
+                 [&](std::int64_t window, double time) {
+                   const double now = clock_.now();
+                   progress_.window = window;
+                   progress_.time = time;
+                   progress_.elapsed = now - started_;
+                   progress_.rate = static_cast<double>(window - span.behind) /
+                                    std::max(1e-9, now - start - outcome_.start_seconds);
+                   progress_.left =
+                       static_cast<double>(progress_.windows - window) / progress_.rate;
+                   status_.window(progress_);
+                 });
   }
 
   /// Quantities and comparisons; the verdict.
@@ -170,7 +195,7 @@ class Run {
     if (outcome_.windows > 0) result_.overhead_s_per_window = outcome_.overhead_per_window();
     if (outcome_.windows > 0) add_left_out();
     for (const std::string& note : outcome_.notes) add_note(note);
-    result_.wall_time_s = clock_.now() - started_;
+    result_.wall_time_s = wall_time();
     try {
       write_provenance();
       report::write_result(result_, directory_.path());
@@ -183,6 +208,11 @@ class Run {
     begin(result_.status);
   }
 
+  /// All parts of a resumed run, as far as their work counts.
+  [[nodiscard]] double wall_time() const {
+    return outcome_.elapsed_before + clock_.now() - started_;
+  }
+
   void make_report(Ended& ended) {
     begin("report");
     const double start = clock_.now();
@@ -191,7 +221,7 @@ class Run {
     report::write_report(directory_.path(), tools);
     ended.report = directory_.file("report.html");
     report_seconds_ = clock_.now() - start;
-    result_.wall_time_s = clock_.now() - started_;
+    result_.wall_time_s = wall_time();
     write_provenance();
     report::write_result(result_, directory_.path());
   }
@@ -236,7 +266,8 @@ class Run {
     }
     nlohmann::json json;
     json["format"] = 1;
-    json["started"] = started_date_;
+    json["started"] = beginning_.started;
+    json["resumed"] = beginning_.resumed;
     json["ended"] = date_and_time();
     json["host"] = record::describe_machine();
     json["program"] = {{"name", "sandglass"},
@@ -258,14 +289,16 @@ class Run {
            {"path", "scripts/" + std::filesystem::path(stored.path).filename().string()},
            {"digest", stored.digest}});
     }
-    json["data"] = record::to_json(data_files());
+    json["data"] = record::to_json(data_files(workflow_, home_));
     json["environment"] = record::describe_environment();
     json["timings"] = {
         {"participants", outcome_.participant_seconds},
         {"exchange", outcome_.exchange_seconds},
         {"record", outcome_.record_seconds},
+        {"checkpoints", outcome_.checkpoint_seconds},
         {"render", scripts_.seconds()},
-        {"orchestrator", outcome_.overhead_per_window() * static_cast<double>(outcome_.windows)},
+        {"orchestrator", outcome_.overhead_per_window() *
+                             static_cast<double>(outcome_.windows - outcome_.windows_taken)},
         {"start", outcome_.start_seconds},
         {"stages", stage_seconds_},
         {"report", report_seconds_}};
@@ -274,36 +307,17 @@ class Run {
     write_file(directory_.file("provenance.json"), json.dump(1) + "\n");
   }
 
-  /// The files below data/ that stages, participants and comparisons name.
-  [[nodiscard]] std::vector<record::UsedFile> data_files() const {
-    std::set<std::string> paths;
-    const auto add = [&](const workflow::GivenMap& given) {
-      for (const auto& [name, one] : given) {
-        if (one.file && one.file->stage.empty()) paths.insert(one.file->file);
-      }
-    };
-    for (const workflow::Stage& stage : workflow_.stages) add(stage.given);
-    for (const workflow::Participant& one : workflow_.participants) add(one.given);
-    for (const workflow::Comparison& one : workflow_.comparisons) {
-      if (!one.reference_file.empty()) paths.insert(one.reference_file);
-    }
-    std::vector<record::UsedFile> files;
-    for (const std::string& path : paths) {
-      files.push_back({"data/" + path, digest_of_file(home_.data() + "/" + path)});
-    }
-    return files;
-  }
-
   const workflow::Workflow& workflow_;
   const Home& home_;
   const Options& options_;
   SystemClock clock_;
   double started_;
-  std::string started_date_;
   record::RunDirectory directory_;
   Scripts scripts_;
   StatusFile status_;
   Progress progress_;
+  Beginning beginning_;
+  bool resumed_;
   report::Result result_;
   CoupledOutcome outcome_;
   std::future<std::vector<record::UsedProgram>> solvers_;
@@ -318,7 +332,27 @@ class Run {
 Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
               Status& status) {
   Interrupt::install();
-  return Run(workflow, home, options, status).execute();
+  return Run(workflow, home, options, status,
+             record::RunDirectory::create(options.out, options.runs, workflow.name), std::nullopt)
+      .execute();
+}
+
+Ended resume(const std::string& path, const Home& home, const Options& options, Status& status) {
+  Interrupt::install();
+  record::RunDirectory directory = record::RunDirectory::open(path);
+  Beginning beginning = read_beginning(directory.path());
+  if (std::filesystem::exists(directory.file("result.json"))) {
+    const report::Result result = report::read_result(directory.path());
+    const auto code = static_cast<ExitCode>(result.exit_code);
+    if (code == ExitCode::done || code == ExitCode::mismatch) {
+      return {code, result.error, directory.path(), directory.file("report.html"), true};
+    }
+  }
+  const workflow::Workflow workflow = load_again(beginning, home, directory.path());
+  require_unchanged(beginning, workflow, home);
+  clear_unfinished(directory);
+  go_on(beginning, directory);
+  return Run(workflow, home, options, status, std::move(directory), std::move(beginning)).execute();
 }
 
 std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Home& home) {

@@ -20,9 +20,10 @@ struct Options {
 /// How a run ended. The same is in result.json.
 struct Ended {
   ExitCode code = ExitCode::done;
-  std::string error;      ///< empty when all went well
-  std::string directory;  ///< of the run
-  std::string report;     ///< path of report.html; empty when none could be made
+  std::string error;             ///< empty when all went well
+  std::string directory;         ///< of the run
+  std::string report;            ///< path of report.html; empty when none could be made
+  bool complete_before = false;  ///< there was nothing to resume
 };
 
 /// Executes one workflow: stages in order, the coupling among them, comparisons, result, report.
@@ -30,6 +31,14 @@ struct Ended {
 /// stops a run directory from existing at all is thrown (Error::environment).
 Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
               Status& status);
+
+/// Goes on with a run that was killed, interrupted, or failed, from its newest checkpoint, or from
+/// the start where there is none. Its record ends with the same bytes as that of an unbroken run,
+/// as far as the solvers repeat bit by bit. A run that came to its end is left as it is.
+/// Throws Error::environment when `directory` is no run directory or in use, Error::refused when
+/// what the run was made of has changed since.
+Ended resume(const std::string& directory, const Home& home, const Options& options,
+             Status& status);
 
 /// Renders every script of the workflow without storing or starting anything. Throws
 /// Error::refused.

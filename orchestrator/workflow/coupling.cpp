@@ -111,6 +111,14 @@ Recorded read_record(const Context& context, const std::vector<std::string>& fie
   return recorded;
 }
 
+void read_checkpoints(const Context& context, Coupling& coupling) {
+  const Node* record = context.root.find("record");
+  if (!record || record->kind != Node::Kind::map) return;
+  const Section section(*record, object("record"), context.scope);
+  coupling.checkpoint_every = section.count("checkpoint_every", 0);
+  coupling.checkpoints_kept = section.count("checkpoints_kept", 0);
+}
+
 /// A field's sender or receiver: declared, and in the order.
 void check_end(const Context& context, const Section& section, const char* key,
                const Declared& field, const Order& order) {
@@ -290,6 +298,7 @@ void read_coupling(const Context& context, Workflow& workflow) {
   }
   coupling.order = order.running;
   read_fields(context, section, order, coupling);
+  read_checkpoints(context, coupling);
   mark_relaxed(context, section, order, coupling);
   workflow.coupling = std::move(coupling);
 }

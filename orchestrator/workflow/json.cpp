@@ -98,6 +98,8 @@ Json to_json(const Coupling& coupling) {
       {"tolerance", coupling.tolerance},
       {"iterations", coupling.iterations},
       {"stability", {{"watch", coupling.stability.active}, {"growth", coupling.stability.growth}}},
+      {"checkpoint_every", coupling.checkpoint_every},
+      {"checkpoints_kept", coupling.checkpoints_kept},
       {"fields", fields},
       {"fields_left_out", coupling.fields_left_out}};
 }

@@ -430,7 +430,22 @@ Object record_keys() {
             .kind = Kind::selection,
             .fallback = "all",
             .doc = "The fields that are recorded. One that nobody receives or records is not sent.",
-            .example = "[velocity, drag]"}}};
+            .example = "[velocity, drag]"},
+           {.name = "checkpoint_every",
+            .kind = Kind::count,
+            .reference = true,
+            .minimum = 0,
+            .fallback = "0",
+            .doc = "After how many windows a checkpoint is written, from which `resume` and "
+                   "`replay` go on; 0: never, they begin at the start.",
+            .example = "10"},
+           {.name = "checkpoints_kept",
+            .kind = Kind::count,
+            .reference = true,
+            .minimum = 0,
+            .fallback = "0",
+            .doc = "How many checkpoints are kept, the newest ones; 0: all.",
+            .example = "2"}}};
 }
 
 Object comparison_keys() {

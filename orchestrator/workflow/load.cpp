@@ -68,6 +68,7 @@ Workflow load_text(const std::string& text, const std::string& path, const LoadO
 
   Workflow workflow;
   workflow.path = path;
+  workflow.changes = options;
   workflow.parameters = read_parameters(root, path, options.settings, problems);
   const Scope scope(path, workflow.parameters, &problems);
   check_structure(root, objects().front(), {path, 1, 1}, false, scope);

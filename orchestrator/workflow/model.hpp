@@ -112,6 +112,8 @@ struct Coupling {
   std::int64_t iterations = 100;  ///< that one may take
   StabilityLimits stability;
   std::vector<Field> fields;
+  std::int64_t checkpoint_every = 0;         ///< windows; 0: never
+  std::int64_t checkpoints_kept = 0;         ///< the newest ones; 0: all
   std::vector<std::string> fields_left_out;  ///< neither received nor recorded: not sent
   Place place;
 };
@@ -159,8 +161,22 @@ struct LeftOut {
   Place place;
 };
 
+/// One `--set name=value`.
+struct Setting {
+  std::string name;
+  std::string text;
+};
+
+/// What the command line changes in a workflow.
+struct Changes {
+  std::vector<Setting> settings;
+  bool keep_all = false;  ///< --no-prune: nothing is left out
+  std::vector<std::string> keep;
+};
+
 struct Workflow {
   std::string path;  ///< as given on the command line
+  Changes changes;   ///< with which it was resolved
   std::string name;
   std::string title;
   std::string description;
@@ -178,18 +194,9 @@ struct Workflow {
 /// The value in its declared unit, as people write it: "0.1 mm", "true", "resident".
 std::string shown(const Parameter& parameter);
 
-/// One `--set name=value`.
-struct Setting {
-  std::string name;
-  std::string text;
-};
-
-struct LoadOptions {
-  std::vector<Setting> settings;
+struct LoadOptions : Changes {
   std::string templates_root;  ///< the templates/ folder
   std::string data_root;       ///< the data/ folder
-  bool keep_all = false;       ///< --no-prune: nothing is left out
-  std::vector<std::string> keep;
 };
 
 /// Reads and checks a workflow, templates included (every name used is given, every name given is

@@ -254,7 +254,7 @@ TEST_F(ParticipantTest, GoesBackToTheStateKeptLast) {
   one.checkpoint(scratch_.file("state with a space"));
   compute(one, 3);
   const Numbers third = taken(one, 0);
-  one.load(scratch_.file("state with a space"));
+  one.go_on_from(scratch_.file("state with a space"), 2);
   compute(one, 3);
   EXPECT_EQ(taken(one, 0), third);
   one.stop();
