@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -133,32 +134,26 @@ void Record::take_over(const std::string& to, std::int64_t kept) {
     copy("/fields/" + fields_[f].name, values_[f]);
   }
   appended_ = kept;
-  descriptor_ = target.number();
-  write_at(windows_.offset, &appended_, sizeof appended_);
-  descriptor_ = -1;
-  if (::fsync(target.number()) != 0) throw_system_error("flush the record", to, errno);
-}
-
-Record::~Record() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-void Record::write_at(std::uint64_t offset, const void* bytes, std::size_t count) {
-  const char* from = static_cast<const char*>(bytes);
-  while (count > 0) {
-    const ssize_t written = ::pwrite(descriptor_, from, count, static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw_system_error("append to the record", path_, errno);
-    from += written;
-    offset += static_cast<std::uint64_t>(written);
-    count -= static_cast<std::size_t>(written);
+  const auto at = static_cast<off_t>(windows_.offset);
+  if (::pwrite(target.number(), &appended_, sizeof appended_, at) != sizeof appended_ ||
+      ::fsync(target.number()) != 0) {
+    throw_system_error("write the record", to, errno);
   }
 }
 
+Record::~Record() {
+  writer_.reset();
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
 void Record::append(const Row& row) {
+  if (!writer_) {
+    writer_ = std::make_unique<RowWriter>(descriptor_, path_, windows_.offset, appended_);
+  }
   const auto index = static_cast<std::uint64_t>(appended_);
+  pieces_.clear();
   const auto put = [&](const Column& column, const void* bytes, std::size_t count) {
-    write_at(column.offset + index * column.row_bytes, bytes, count);
+    pieces_.push_back({column.offset + index * column.row_bytes, bytes, count});
   };
   const double time[2] = {row.begin, row.end};
   put(time_, time, sizeof time);
@@ -169,22 +164,47 @@ void Record::append(const Row& row) {
   }
   for (std::size_t t = 0; t < timings_.size(); ++t)
     put(timings_[t], &row.timings[t], sizeof(double));
-  // Last: a row counts only when all of it is there.
+  tell([&] { writer_->append(pieces_, appended_ + 1); });
   ++appended_;
-  write_at(windows_.offset, &appended_, sizeof appended_);
 }
 
 void Record::flush() {
+  if (writer_) tell([&] { writer_->flush(); });
   if (::fsync(descriptor_) != 0) throw_system_error("flush the record", path_, errno);
 }
 
+template <typename Write>
+void Record::tell(Write write) {
+  try {
+    write();
+  } catch (const Error&) {
+    told_ = true;
+    throw;
+  }
+}
+
+std::int64_t Record::windows() const { return writer_ ? writer_->complete() : appended_; }
+
 void Record::close() {
   if (descriptor_ < 0) return;
+  std::exception_ptr failure;
+  try {
+    if (writer_) writer_->flush();
+  } catch (const Error&) {
+    // Whoever has heard of it already is not told again.
+    if (!told_) failure = std::current_exception();
+    appended_ = windows();
+  }
+  writer_.reset();
   const int descriptor = std::exchange(descriptor_, -1);
   const bool flushed = ::fsync(descriptor) == 0;
   const int number = errno;
   if (::close(descriptor) != 0 || !flushed) throw_system_error("flush the record", path_, number);
-  if (appended_ == planned_) return;
+  if (appended_ != planned_) cut_if_possible();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Record::cut_if_possible() {
   try {
     cut();
   } catch (const Error&) {

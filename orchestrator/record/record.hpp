@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "hdf5/hdf5.hpp"
+#include "record/row_writer.hpp"
 
 namespace sandglass::record {
 
@@ -34,9 +36,10 @@ struct Row {
 /// The history of a run, record.h5 (format 1.0, described in README.md of this folder).
 ///
 /// The number of windows is known beforehand, so that every dataset is contiguous and has its place
-/// in the file from the start; a window is appended by writing its bytes there. The file is whole
-/// and readable by h5py at every moment, and a process that is killed loses no window that was
-/// appended: no HDF5 structure changes after the start. Space is taken as windows come.
+/// in the file from the start; a window is appended by writing its bytes there, behind the back of
+/// the caller (RowWriter). The file is whole and readable by h5py at every moment, because no HDF5
+/// structure changes after the start; a process that is killed loses at most the windows of its
+/// last milliseconds. Space is taken as windows come.
 class Record {
  public:
   /// With `kept` above zero it goes on behind that many windows of the record that is there, which
@@ -47,12 +50,16 @@ class Record {
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// Throws Error::environment (a full disk among others); windows appended before stay whole.
+  /// Hands over one more window, which is then on its way into the file. Throws Error::environment
+  /// when this or an earlier one cannot be written (a full disk among others); windows before that
+  /// one are whole.
   void append(const Row& row);
-  [[nodiscard]] std::int64_t windows() const { return appended_; }
-  /// Brings what was appended to the disk.
+  /// Returns when every window appended is on the disk. Throws as append does.
   void flush();
-  /// Flushes. A run that ended before its last planned window gets its datasets cut to
+  /// Complete windows in the file.
+  [[nodiscard]] std::int64_t windows() const;
+  /// Flushes; throws as append does, if that has not. A
+  /// run that ended before its last planned window gets its datasets cut to
   /// what was done, where the disk has room for that.
   void close();
 
@@ -63,7 +70,9 @@ class Record {
   };
   /// Takes the first `kept` windows over from the record at `path_` into the new file.
   void take_over(const std::string& to, std::int64_t kept);
-  void write_at(std::uint64_t offset, const void* bytes, std::size_t count);
+  template <typename Write>
+  void tell(Write write);
+  void cut_if_possible();
   void cut();
 
   std::string path_;
@@ -78,6 +87,9 @@ class Record {
   std::vector<Column> counts_;
   std::vector<Column> timings_;
   int descriptor_ = -1;
+  std::unique_ptr<RowWriter> writer_;
+  std::vector<RowWriter::Piece> pieces_;  ///< of the row being appended
+  bool told_ = false;                     ///< the caller has had the failure
 };
 
 }  // namespace sandglass::record

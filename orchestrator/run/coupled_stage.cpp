@@ -385,7 +385,22 @@ class CoupledRun {
     }
     partners_.clear();
     participants_.clear();
-    if (record_) record_->close();
+    if (record_) close_record();
+  }
+
+  /// What could not be written was not done: the outcome counts what is in the record.
+  void close_record() {
+    const auto count = [&] {
+      outcome_.windows = record_->windows();
+      outcome_.time = static_cast<double>(outcome_.windows) * coupling_.window;
+    };
+    try {
+      record_->close();
+    } catch (...) {
+      count();
+      throw;
+    }
+    count();
   }
 
   const workflow::Workflow& workflow_;

@@ -107,6 +107,7 @@ TEST_F(RecordTest, IsReadableAtEveryMoment) {
   Record made = record(20);
   for (std::int64_t window = 1; window <= 20; ++window) {
     append(made, window);
+    made.flush();
     EXPECT_EQ(made.windows(), window);
     expect_windows(path_, window);
   }
@@ -152,6 +153,7 @@ TEST_F(RecordTest, AHugePlanCostsNothing) {
     Record made = record(1'000'000'000);
     EXPECT_LT(bytes_on_disk(), 1 << 20);
     for (std::int64_t window = 1; window <= 3; ++window) append(made, window);
+    made.flush();
     EXPECT_LT(bytes_on_disk(), 1 << 20);
     expect_windows(path_, 3);
     made.close();
@@ -164,6 +166,7 @@ TEST_F(RecordTest, AKilledProcessLeavesWholeWindows) {
   EXPECT_EQ(test::run_elsewhere([&] {
               Record made = record(1000);
               for (std::int64_t window = 1; window <= done; ++window) append(made, window);
+              made.flush();
               ::kill(::getpid(), SIGKILL);
               return 0;
             }),
@@ -194,6 +197,60 @@ TEST_F(RecordTest, KilledAtAnyMomentItHoldsOnlyWholeWindows) {
   }
 }
 
+TEST_F(RecordTest, WhatIsAppendedIsWrittenUnasked) {
+  Record made = record(20);
+  for (std::int64_t window = 1; window <= 20; ++window) {
+    append(made, window);
+    if (window % 3 == 0) {
+      EXPECT_TRUE(test::comes_true([&] { return made.windows() == window; }));
+      expect_windows(path_, window);
+    }
+  }
+}
+
+TEST_F(RecordTest, ManyWindowsAtOnceAreAllWritten) {
+  constexpr std::int64_t windows = 100'000;
+  Record made = record(windows);
+  for (std::int64_t window = 1; window <= windows; ++window) append(made, window);
+  made.close();
+  EXPECT_EQ(made.windows(), windows);
+  expect_windows(path_, windows);
+}
+
+TEST_F(RecordTest, LargeWindowsFasterThanTheDiskAreHeldBackAndAllWritten) {
+  constexpr std::int64_t windows = 60;
+  constexpr std::int64_t size = 1'000'000;  // 8 MB: far more than waits in memory
+  Record made(path_, windows, {{"large", "m", "grains", "", {size}, false}}, {});
+  for (std::int64_t window = 1; window <= windows; ++window) {
+    const Numbers values(size, static_cast<double>(window));
+    made.append({0, 1, 1, {{values, size}}, {}});
+  }
+  made.close();
+  const Numbers all = File(path_, File::Mode::read).read_numbers("/fields/large");
+  ASSERT_EQ(all.size(), static_cast<size_t>(windows * size));
+  for (size_t k = 0; k < all.size(); k += 999) {
+    ASSERT_EQ(all[k], static_cast<double>(k / size + 1)) << k;
+  }
+}
+
+TEST_F(RecordTest, AFailureThatNoAppendMetIsToldByClosing) {
+  EXPECT_EQ(test::run_elsewhere([&] {
+              Record made(path_, 1000, {{"large", "m", "grains", "", {1000}, false}}, {});
+              const Numbers values(1000, 1.0);
+              made.append({0, 1, 1, {{values, 1000}}, {}});
+              made.flush();
+              test::limit_file_size(100);
+              made.append({0, 1, 1, {{values, 1000}}, {}});
+              try {
+                made.close();
+              } catch (const Error& error) {
+                return error.code() == ExitCode::environment ? static_cast<int>(made.windows()) : 2;
+              }
+              return 0;
+            }),
+            1);
+}
+
 TEST_F(RecordTest, AFullDiskLosesNothingThatWasRecorded) {
   const int whole = test::run_elsewhere([&] {
     Record made(path_, 1000, {{"large", "m", "grains", "", {1000}, false}}, {});
@@ -221,6 +278,7 @@ TEST_F(RecordTest, WhereItCannotBeCutItStaysAsItIs) {
   EXPECT_EQ(test::run_elsewhere([&] {
               Record made = record(1000);
               for (std::int64_t window = 1; window <= 9; ++window) append(made, window);
+              made.flush();
               test::limit_file_size(16);
               made.close();
               return 0;
