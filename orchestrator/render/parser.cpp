@@ -27,8 +27,9 @@ std::vector<std::string> split_name(const std::string& name) {
     if (c == '.') {
       if (parts.back().empty()) return {};
       parts.emplace_back();
-    } else if (is_letter(c) || (!parts.back().empty() && (is_digit(c) || c == '-'))) {
-      parts.back() += c;
+    } else if (is_letter(c) || (is_digit(c) && !(parts.size() == 1 && parts.back().empty())) ||
+               (c == '-' && !parts.back().empty())) {
+      parts.back() += c;  // a member may begin with a digit: the choice 3 of `dimension`
     } else {
       return {};
     }

@@ -134,6 +134,7 @@ Json to_json(const Comparison& comparison) {
 Json to_json(const LeftOut& item) {
   return {{"name", item.name},
           {"of", item.of},
+          {"also", item.also},
           {"what", item.what},
           {"why", item.why},
           {"active", item.active}};

@@ -22,7 +22,7 @@ namespace sandglass::workflow {
 ///                 "received_shape", "initial", "recorded"}], "fields_left_out"} or null,
 ///    "comparisons": [{"name", "quantity" | "curve", "reference", "metric", "tolerance", "unit",
 ///                     "because", "holds_for": [{"parameter", "value", "met"}]}],
-///    "left_out": [{"name", "of", "what", "why", "active"}]}
+///    "left_out": [{"name", "of", "also", "what", "why", "active"}]}
 /// `given` maps names to values, or to {"stage", "file"}. A number that JSON cannot hold is null.
 nlohmann::ordered_json to_json(const Workflow& workflow);
 

@@ -155,6 +155,7 @@ struct Comparison {
 struct LeftOut {
   std::string name;
   std::string of;  ///< participant that is told, as a switch of the same name in its template
+  std::vector<std::string> also;  ///< further participants that are told
   std::string what;
   std::string why;
   bool active = true;  ///< false: put back

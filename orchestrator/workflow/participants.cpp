@@ -53,7 +53,10 @@ void add_switches(const Context& context, const Declared& declared, const Scope&
                   GivenMap& given) {
   for (const Declared& each : declared_in(context, "left_out")) {
     const Section section(*each.node, object("left_out"), scope);
-    if (section.text("of") != declared.name || !applies(*each.node, scope)) continue;
+    const std::vector<std::string> also = section.texts("also");
+    const bool told = section.text("of") == declared.name ||
+                      std::find(also.begin(), also.end(), declared.name) != also.end();
+    if (!told || !applies(*each.node, scope)) continue;
     const Given flag{Value(!kept(context.options, each.name)), std::nullopt, each.place};
     if (!given.emplace(each.name, flag).second) {
       context.problems.add(each.place,
@@ -100,6 +103,7 @@ void read_left_out(const Context& context, Workflow& workflow) {
     const Section section(*each.node, object("left_out"), context.scope);
     LeftOut item{.name = each.name,
                  .of = section.text("of"),
+                 .also = section.texts("also"),
                  .what = section.text("what"),
                  .why = section.text("why"),
                  .active = !kept(context.options, each.name),
@@ -110,6 +114,12 @@ void read_left_out(const Context& context, Workflow& workflow) {
                                  participants);
       }
       continue;
+    }
+    for (const std::string& name : item.also) {
+      if (std::find(participants.begin(), participants.end(), name) == participants.end()) {
+        context.problems.unknown(section.place("also"), "there is no participant", name,
+                                 participants);
+      }
     }
     if (applies(*each.node, context.scope)) workflow.left_out.push_back(std::move(item));
   }
