@@ -27,8 +27,7 @@ Node without_cases(const Node& node) {
 }
 
 /// The choice parameter, when `choose` and `cases` fit together; else reported.
-const Parameter* chooser(const Context& context, const Declared& declared) {
-  const Scope& scope = context.scope;
+const Parameter* chooser(const Scope& scope, const Declared& declared) {
   const Node* choose = declared.node->find("choose");
   const Node* cases = declared.node->find("cases");
   if (!choose && !cases) return nullptr;
@@ -105,15 +104,15 @@ std::vector<std::string> names_of(const std::vector<Declared>& declared) {
   return names;
 }
 
-std::vector<Variant> variants_of(const Context& context, const Declared& declared) {
-  const Parameter* parameter = chooser(context, declared);
-  std::vector<Variant> result{{context.scope, effective(*declared.node, context.scope)}};
+std::vector<Variant> variants_of(const Scope& scope, const Declared& declared) {
+  const Parameter* parameter = chooser(scope, declared);
+  std::vector<Variant> result{{scope, effective(*declared.node, scope)}};
   if (!parameter) return result;
-  const std::string selected = plain_text(context.scope.value_of(*parameter));
+  const std::string selected = plain_text(scope.value_of(*parameter));
   for (const std::string& choice : parameter->choices) {
     if (choice == selected) continue;
-    const Scope scope = context.scope.assuming(parameter->name, choice);
-    result.push_back({scope, effective(*declared.node, scope)});
+    const Scope other = scope.assuming(parameter->name, choice);
+    result.push_back({other, effective(*declared.node, other)});
   }
   return result;
 }

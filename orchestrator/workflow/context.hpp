@@ -63,7 +63,7 @@ struct Variant {
 
 /// Every variant, the selected one first; just the thing itself when it does not choose. Reports
 /// what is wrong with `choose` and `cases`.
-std::vector<Variant> variants_of(const Context& context, const Declared& declared);
+std::vector<Variant> variants_of(const Scope& scope, const Declared& declared);
 
 /// The thing as it is in this scope.
 Node effective(const Node& node, const Scope& scope);

@@ -70,6 +70,27 @@ Object workflow_keys() {
         .example = "{repeated_solve: {of: fluid, ...}}"}}};
 }
 
+Key choose_key() {
+  return {.name = "choose",
+          .kind = Kind::name,
+          .doc =
+              "The choice parameter that selects one of `cases`; of a parameter, one declared "
+              "before it.",
+          .example = "fluid"};
+}
+
+Key cases_key(std::string of) {
+  return {.name = "cases",
+          .kind = Kind::object,
+          .many = Many::map,
+          .object = std::move(of),
+          .partial = true,
+          .doc =
+              "For every choice (or `otherwise`) the keys that replace or join those beside "
+              "`choose`; `given` is joined name by name. All cases are checked, one is used.",
+          .example = "{box: {template: freefem/stokes_box.edp}, otherwise: {...}}"};
+}
+
 Object parameter_keys() {
   return {
       "parameter",
@@ -121,7 +142,9 @@ Object parameter_keys() {
         .example = "diameter of the sphere"},
        {.name = "source",
         .doc = "Where the value comes from.",
-        .example = "Pirnia et al. (2019), section 3.2"}}};
+        .example = "Pirnia et al. (2019), section 3.2"},
+       choose_key(),
+       cases_key("parameter")}};
 }
 
 Key template_key(std::string doc) {
@@ -166,25 +189,6 @@ Key when_key() {
       .kind = Kind::condition,
       .doc = "Applies only when every parameter named has the value, or one of the values, given.",
       .example = "{fluid: [box, navier_stokes]}"};
-}
-
-Key choose_key() {
-  return {.name = "choose",
-          .kind = Kind::name,
-          .doc = "The choice parameter that selects one of `cases`.",
-          .example = "fluid"};
-}
-
-Key cases_key(std::string of) {
-  return {.name = "cases",
-          .kind = Kind::object,
-          .many = Many::map,
-          .object = std::move(of),
-          .partial = true,
-          .doc =
-              "For every choice (or `otherwise`) the keys that replace or join those beside "
-              "`choose`; `given` is joined name by name. All cases are checked, one is used.",
-          .example = "{box: {template: freefem/stokes_box.edp}, otherwise: {...}}"};
 }
 
 Object stage_keys() {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/unit.hpp"
+#include "workflow/context.hpp"
 #include "workflow/structure.hpp"
 #include "workflow/values.hpp"
 
@@ -239,6 +240,7 @@ std::vector<Parameter> read_parameters(const Node& root, const std::string& file
   const std::map<std::string, const Setting*> set = by_name(settings, map);
   const Scope scope(file, no_parameters, &problems);
   std::vector<Parameter> result;
+  const Scope earlier(file, result, &problems);  // what a parameter may choose by
   for (size_t i = 0; map && i < map->keys.size(); ++i) {
     Parameter parameter;
     parameter.name = map->keys[i].text;
@@ -246,8 +248,19 @@ std::vector<Parameter> read_parameters(const Node& root, const std::string& file
     parameter.unit = "1";
     if (is_name(parameter.name) && map->items[i].kind == Node::Kind::map) {
       const auto found = set.find(parameter.name);
-      Declaration(map->items[i], scope, parameter)
-          .read(found == set.end() ? nullptr : found->second);
+      const Setting* setting = found == set.end() ? nullptr : found->second;
+      const Parameter blank = parameter;
+      bool selected = true;
+      for (const Variant& variant :
+           variants_of(earlier, {parameter.name, parameter.place, &map->items[i]})) {
+        Parameter unused = blank;  // every case is checked, one is used
+        if (selected) {
+          Declaration(variant.node, scope, parameter).read(setting);
+        } else {
+          Declaration(variant.node, scope, unused).read(nullptr);
+        }
+        selected = false;
+      }
     }
     if (parameter.value.absent()) parameter.value = placeholder(parameter);
     result.push_back(std::move(parameter));

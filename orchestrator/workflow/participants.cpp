@@ -135,7 +135,7 @@ void read_participants(const Context& context, Workflow& workflow) {
   }
   for (const Declared& each : declared) {
     bool selected = true;
-    for (const Variant& variant : variants_of(context, each)) {
+    for (const Variant& variant : variants_of(context.scope, each)) {
       std::optional<Participant> participant = read_participant(context, each, variant);
       if (participant && selected && applies(variant.node, variant.scope)) {
         workflow.participants.push_back(std::move(*participant));

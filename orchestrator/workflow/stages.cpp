@@ -224,7 +224,7 @@ void read_stages(const Context& context, Workflow& workflow) {
   std::vector<Candidate> candidates;
   for (const Declared& each : declared) {
     bool selected = true;
-    for (const Variant& variant : variants_of(context, each)) {
+    for (const Variant& variant : variants_of(context.scope, each)) {
       std::optional<Stage> stage = read_stage(context, each, variant);
       if (stage && selected) {
         candidates.push_back({std::move(*stage), applies(variant.node, variant.scope)});

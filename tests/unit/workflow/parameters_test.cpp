@@ -63,6 +63,29 @@ TEST_F(Parameters, TypesAreInferredWhereObvious) {
   EXPECT_EQ(one("{value: 3 ms}").unit, "ms") << "the unit it is written in";
 }
 
+TEST_F(Parameters, TakeTheirValueFromTheCaseOfAChoice) {
+  const std::string text = with(
+      "  scale: {value: full, choices: [small, full]}\n"
+      "  end: {value: 48 s, above: 0, choose: scale, cases: {small: {value: 2 s}, full: {}}}\n");
+  const auto end = [&](const std::vector<Setting>& settings) {
+    return *project.load(text, settings).parameter("end")->value.as<double>();
+  };
+  EXPECT_EQ(end({}), 48);
+  EXPECT_EQ(end({{"scale", "small"}}), 2);
+  EXPECT_EQ(end({{"scale", "small"}, {"end", "3 s"}}), 3) << "what is set counts";
+}
+
+TEST_F(Parameters, EveryCaseIsCheckedAndTheChoiceComesFirst) {
+  const std::string scale = "  scale: {value: full, choices: [small, full]}\n";
+  EXPECT_THAT(project.problems(with(scale + "  end: {value: 48 s, above: 0, choose: scale, cases: "
+                                            "{small: {value: -2 s}, full: {}}}\n")),
+              ElementsAre(HasSubstr("'end' is -2 s")));
+  EXPECT_THAT(project.problems(with("  end: {value: 48 s, choose: scale, cases: {small: {value: 2 "
+                                    "s}, full: {}}}\n" +
+                                    scale)),
+              ElementsAre(HasSubstr("there is no parameter 'scale'")));
+}
+
 TEST_F(Parameters, AreShownInTheirUnit) {
   EXPECT_EQ(shown(one("{value: 0.1 mm, unit: mm}")), "0.1 mm");
   EXPECT_EQ(shown(one("{value: 17.19 deg, unit: deg}")), "17.19 deg");
