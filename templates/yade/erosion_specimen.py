@@ -1,0 +1,104 @@
+# The specimen of the erosion test: coarse beads settle on the plate, a cloud of fine ones falls on them under a wall that
+# comes down until the fine layer has the porosity wanted; then, without the wall, it may rest. What falls through the
+# plate meanwhile is counted and taken away. Made: specimen.h5.
+from sandglass_column import Column, loose_places
+
+young, poisson, friction_angle = {{young}}, {{poisson}}, {{friction_angle}}  # Pa, 1, rad
+density, density_scaling = {{density}}, {{density_scaling}}                  # kg/m3, 1
+gravity, fluid_density = {{gravity}}, {{fluid_density}}                      # m/s2, kg/m3
+damping = {{damping}}
+section, periodic = {{section}}, {{sides}} == 'periodic'  # m
+coarse_diameter, fine_diameter = {{coarse_diameter}}, {{fine_diameter}}      # m
+coarse_beads, fine_beads = {{coarse_beads}}, {{fine_beads}}
+cloud_porosity, porosity, wall_speed = {{cloud_porosity}}, {{layer_porosity}}, {{wall_speed}}  # 1, 1, m/s
+resting_time = {{resting_time}}                                              # s
+time_step_factor, verlet_distance = {{time_step_factor}}, {{verlet_distance}}  # 1, m
+plate, catch_depth, catch_steps = {{plate}}, {{catch_depth}}, 200            # file, m, steps
+random = numpy.random.default_rng({{seed}})
+
+{{> yade/erosion_box.py}}
+
+fine_ids, fallen_at, fallen = [], [], [(0.0, 0)]  # fallen: time since the fines were let go, how many
+
+
+def heights(numbers):
+    return numpy.array([O.bodies[number].state.pos[2] for number in numbers])
+
+
+def speed(numbers):
+    return max(O.bodies[number].state.vel.norm() for number in numbers)
+
+
+# Coarse beads, until they rest.
+coarse_ids = [add_bead(place, coarse_diameter / 2)
+              for place in loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.8, random)]
+O.dt = time_step_factor * PWaveTimeStep()
+while O.time < 0.5 or speed(coarse_ids) > 1e-3:
+    O.run(200, True)
+    if O.time > 20:
+        raise SystemExit('the coarse beads do not come to rest within 20 s')
+coarse_top = heights(coarse_ids).max() + coarse_diameter / 2
+
+# Fine beads, under the wall.
+places = loose_places(fine_beads, fine_diameter / 2, section, coarse_top, cloud_porosity, random)
+fine_ids = [add_bead(place, fine_diameter / 2) for place in places]
+wall_height = places[:, 2].max() + fine_diameter / 2
+lid = None if periodic else O.bodies.append(wall(wall_height, axis=2, material='glass', mask=WALL))  # none has sides
+if lid is not None:
+    O.bodies[lid].state.vel = (0, 0, -wall_speed)
+O.dt = time_step_factor * PWaveTimeStep()
+start = O.time
+
+
+# The fine layer is counted from the middle of the highest coarse bead, with the parts of coarse beads that lie in it.
+layer_base = coarse_top - coarse_diameter / 2
+ids = coarse_ids + fine_ids
+radii = numpy.repeat([coarse_diameter / 2, fine_diameter / 2], [coarse_beads, fine_beads])
+
+
+def layer_porosity(top):
+    return Column([layer_base, top], section**2, density).contents(heights(ids), radii)[0][0]
+
+
+while layer_porosity(wall_height - wall_speed * (O.time - start)) > porosity:
+    O.run(catch_steps, True)
+    fallen.append((O.time - start, len(fallen_at)))
+    if wall_height - wall_speed * (O.time - start) < coarse_top:
+        raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
+                         % (layer_porosity(coarse_top), layer_base, porosity))
+wall_height -= wall_speed * (O.time - start)
+reached, closed = layer_porosity(wall_height), O.time
+lost_at_porosity = len(fallen_at)
+if lid is not None:
+    O.bodies.erase(lid)
+
+while O.time < closed + resting_time:
+    O.run(catch_steps, True)
+    fallen.append((O.time - start, len(fallen_at)))
+
+kept = [O.bodies[number] for number in coarse_ids] + [bead for bead in fines() if not is_aside(bead)]
+x = numpy.array([bead.state.pos[0] for bead in kept[coarse_beads:]])
+y = numpy.array([bead.state.pos[1] for bead in kept[coarse_beads:]])
+z = numpy.array([bead.state.pos[2] for bead in kept[coarse_beads:]])
+near = numpy.minimum.reduce([x, section - x, y, section - y]) < 0.5e-3
+mass = math.pi / 6 * fine_diameter**3 * density
+fallen = numpy.array(fallen, dtype=float)
+last = fallen[:, 0] >= fallen[-1, 0] - 0.1  # s
+rate = (fallen[-1, 1] - fallen[last][0, 1]) * mass / max(fallen[-1, 0] - fallen[last][0, 0], O.dt)
+with h5py.File('specimen.h5', 'w') as file:
+    file['position'] = [tuple(bead.state.pos) for bead in kept]
+    file['velocity'] = [tuple(bead.state.vel) for bead in kept]
+    file['spin'] = [tuple(bead.state.angVel) for bead in kept]
+    file['radius'] = [bead.shape.radius for bead in kept]
+    file['fallen'] = fallen
+    for name, unit in (('position', 'm'), ('velocity', 'm/s'), ('spin', 'rad/s'), ('radius', 'm')):
+        file[name].attrs['unit'] = unit
+    file['fallen'].attrs['meaning'] = 'time since the fine beads were let go (s), beads fallen through until then'
+    for name, value in dict(
+            seed={{seed}}, section=section, density=density, coarse_top=coarse_top, wall_height=wall_height,
+            porosity_fine=reached, fines_lost=len(fallen_at), fines_lost_at_porosity=lost_at_porosity,
+            mass_per_fine=mass, fall_rate=rate, preparation_time=closed - start, resting_time=resting_time,
+            wall_share_in_coarse=near[z < coarse_top].mean() if (z < coarse_top).any() else 0.0).items():
+        file.attrs[name] = value
+print('%d coarse beads up to %.4g mm; %d fine ones, porosity %.4g; %d fell through in %.3g s, at the end %.3g g/s'
+      % (coarse_beads, coarse_top * 1e3, len(kept) - coarse_beads, reached, len(fallen_at), closed - start, rate * 1e3))
