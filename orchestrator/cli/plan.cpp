@@ -5,6 +5,7 @@
 
 #include "cli/cli.hpp"
 #include "cli/terminal.hpp"
+#include "run/savings.hpp"
 #include "run/solvers.hpp"
 #include "workflow/json.hpp"
 
@@ -44,10 +45,25 @@ void show_coupling(const workflow::Workflow& workflow) {
 void show_left_out(const workflow::Workflow& workflow) {
   fmt::print("\nLeft out\n");
   bool any = false;
+  const auto savings = run::measured_savings(workflow, "runs");
   for (const workflow::LeftOut& one : workflow.left_out) {
+    const auto measured = savings.find(one.name);
+    const std::string saving =
+        measured == savings.end() ? run::MeasuredSaving().text() : measured->second.text();
     fmt::print("  {}: {} ({}); {}\n", one.name, one.what, one.why,
-               one.active ? "saving unknown until it has run" : "put back by --no-prune");
+               one.active ? saving : "put back by --no-prune");
     any = true;
+  }
+  for (const workflow::Stage& stage : workflow.stages) {
+    if (!stage.reuse) continue;
+    fmt::print("  stage {}: where it was made of the same before, that is taken\n", stage.name);
+    any = true;
+  }
+  if (workflow.coupling) {
+    for (const std::string& field : workflow.coupling->fields_left_out) {
+      fmt::print("  field {}: nobody receives or records it, so it is not sent\n", field);
+      any = true;
+    }
   }
   for (const std::string& stage : workflow.stages_left_out) {
     fmt::print("  stage {}: its condition is not met\n", stage);

@@ -70,6 +70,9 @@ struct Plan {
   double tolerance = 1e-10;  ///< of serial_implicit: residual over value, both as 2-norms
   std::int64_t most_iterations = 100;
   StabilityLimits stability;
+  /// By partner: it answers the same values the same way, always, and is not asked again. May be
+  /// shorter than the partners: the others are asked.
+  std::vector<bool> asked_once;
 };
 
 /// A field that swings from window to window although the run did not diverge.
@@ -117,11 +120,20 @@ class Engine {
   Done window(std::int64_t index);
   /// What oscillated so far without diverging.
   [[nodiscard]] std::vector<Oscillation> oscillations() const;
+  /// What was not asked of a partner because it had just been asked the same.
+  struct Spared {
+    std::int64_t windows = 0;  ///< iterations each for themselves
+    double seconds = 0;        ///< at what the windows that it was asked took on average
+  };
+  [[nodiscard]] Spared spared(std::size_t partner) const;
   /// Keeps or recalls all that the next window depends on besides the partners' own states.
   void remember(Memory& memory);
 
  private:
   struct State;
+  struct Question;
+  /// Whether this partner has just been asked the same; else the question is kept.
+  bool asked_already(std::size_t p);
   void in_turn(Done& done);
   void at_once(Done& done);
   void iterate(Done& done);
@@ -136,6 +148,7 @@ class Engine {
   const std::vector<Partner*>& partners_;
   const Clock& clock_;
   std::vector<State> states_;
+  std::vector<Question> questions_;  ///< by partner
 };
 
 }  // namespace sandglass::coupling

@@ -162,7 +162,7 @@ std::string to_json(const Result& result) {
   }
   json& left_out = document["left_out"] = json::array();
   for (const Saving& saving : result.left_out) {
-    json object = {{"what", saving.what}, {"why", saving.why}};
+    json object = {{"name", saving.name}, {"what", saving.what}, {"why", saving.why}};
     put_number(object, "saving_s", saving.saving_s);
     left_out.push_back(std::move(object));
   }
@@ -200,8 +200,8 @@ Result result_from_json(const std::string& text, const std::string& path) {
       result.comparisons.push_back(comparison_from_json(object));
     }
     for (const json& object : document.at("left_out")) {
-      result.left_out.push_back(
-          {text_at(object, "what"), text_at(object, "why"), number_at(object, "saving_s")});
+      result.left_out.push_back({text_at(object, "name"), text_at(object, "what"),
+                                 text_at(object, "why"), number_at(object, "saving_s")});
     }
     const json notes = document.value("notes", json::array());
     for (const json& object : notes) {

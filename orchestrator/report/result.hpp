@@ -20,6 +20,7 @@ struct ResultQuantity {
 
 /// Something that was not run or not sent, and what that saved.
 struct Saving {
+  std::string name;
   std::string what;
   std::string why;
   std::optional<double> saving_s;  ///< absent: not known

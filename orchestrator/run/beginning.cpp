@@ -10,6 +10,7 @@
 #include "base/clock.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "run/products.hpp"
 #include "run/scripts.hpp"
 
 namespace sandglass::run {
@@ -185,10 +186,16 @@ void require_unchanged(const Beginning& beginning, const workflow::Workflow& wor
 }
 
 void clear_unfinished(const record::RunDirectory& directory) {
-  for (const char* name : {"exchange", "work", "stages"}) {
+  std::vector<std::string> unneeded{directory.file("exchange"), directory.file("work")};
+  if (std::filesystem::exists(directory.file("stages"))) {
+    for (const auto& entry : std::filesystem::directory_iterator(directory.file("stages"))) {
+      if (!made_in(entry.path().string())) unneeded.push_back(entry.path().string());
+    }
+  }
+  for (const std::string& path : unneeded) {
     std::error_code error;
-    std::filesystem::remove_all(directory.file(name), error);
-    if (error) throw_system_error("remove", directory.file(name), error.value());
+    std::filesystem::remove_all(path, error);
+    if (error) throw_system_error("remove", path, error.value());
   }
 }
 

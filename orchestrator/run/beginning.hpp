@@ -38,7 +38,7 @@ workflow::Workflow load_again(const Beginning& beginning, const Home& home,
 void require_unchanged(const Beginning& beginning, const workflow::Workflow& workflow,
                        const Home& home);
 /// Removes what a run that ended before its time has left and nobody needs: slots, work
-/// directories, products of stages.
+/// directories, and stages that did not come to their end.
 void clear_unfinished(const record::RunDirectory& directory);
 
 /// The files below data/ that stages, participants and comparisons name.

@@ -190,6 +190,7 @@ class CoupledRun {
       if (!fresh_[p]) participants_[p]->wait_until_ready();
     }
     require_abilities();
+    require_stateless(false);
     if (span_.behind > 0) go_on();
     outcome_.start_seconds = clock_.now() - start;
   }
@@ -234,6 +235,27 @@ class CoupledRun {
                       participants_[p]->name(),
                       fresh_[p] ? "is fresh in every window" : "cannot save and restore its state"),
           "use an explicit scheme, or a resident participant with the ability 'memory'");
+    }
+  }
+
+  [[nodiscard]] std::size_t number_of(const std::string& participant) const {
+    const auto& order = coupling_.order;
+    return static_cast<std::size_t>(std::find(order.begin(), order.end(), participant) -
+                                    order.begin());
+  }
+
+  /// Only one that keeps nothing between windows may be spared a window. Of fresh ones that is
+  /// known when the first window is done.
+  void require_stateless(bool fresh) const {
+    for (const workflow::LeftOut& one : workflow_.left_out) {
+      if (!one.unchanged_inputs || !one.active) continue;
+      const std::size_t p = number_of(one.of);
+      if (fresh_[p] != fresh || participants_[p]->abilities().contains("stateless")) continue;
+      throw Error::refused(one.place,
+                           fmt::format("'{}' leaves out windows of '{}', which is not stateless: "
+                                       "it may answer the same values in another way",
+                                       one.name, one.of),
+                           "remove it, or have the participant say that it is stateless");
     }
   }
 
@@ -292,7 +314,11 @@ class CoupledRun {
     std::vector<coupling::Partner*> partners;
     for (auto& partner : partners_) partners.push_back(partner.get());
     const double start = clock_.now();
-    const coupling::Plan plan = plan_of(coupling_);
+    coupling::Plan plan = plan_of(coupling_);
+    plan.asked_once.assign(partners.size(), false);
+    for (const workflow::LeftOut& one : workflow_.left_out) {
+      if (one.unchanged_inputs && one.active) plan.asked_once[number_of(one.of)] = true;
+    }
     coupling::Engine engine(plan, partners, clock_);
     if (span_.behind > 0) {
       coupling::Memory memory(std::move(memory_));
@@ -302,10 +328,15 @@ class CoupledRun {
       if (index > span_.behind + 1) use_scripts(index);
       const coupling::Done done = engine.window(index);
       append(done);
+      if (index == span_.behind + 1) require_stateless(true);
       const bool due = coupling_.checkpoint_every > 0 && index % coupling_.checkpoint_every == 0;
       if (due && index < coupling_.windows) checkpoint(engine, index);
       outcome_.loop_seconds = clock_.now() - start;
       progress(done.window, done.end);
+    }
+    for (const workflow::LeftOut& one : workflow_.left_out) {
+      if (!one.unchanged_inputs || !one.active) continue;
+      outcome_.savings.push_back({one.name, engine.spared(number_of(one.of)).seconds});
     }
     for (const coupling::Oscillation& one : engine.oscillations()) {
       outcome_.notes.push_back(

@@ -23,6 +23,7 @@
 #include "report/result.hpp"
 #include "run/beginning.hpp"
 #include "run/coupled_stage.hpp"
+#include "run/products.hpp"
 #include "run/solvers.hpp"
 #include "run/stage.hpp"
 #include "run/status_file.hpp"
@@ -109,7 +110,7 @@ class Run {
   void prepare() {
     write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
     // Reading whole solvers takes a while: it is done while they start.
-    solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_));
+    solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_)).share();
   }
 
   void run_stages() {
@@ -119,11 +120,42 @@ class Run {
       if (stage.program == workflow::Program::coupling) {
         couple();
       } else {
-        const Exit ended = run_stage(stage, home_, directory_, scripts_);
-        peak_memory_[stage.name] = ended.peak_memory_bytes;
+        make(stage);
       }
       stage_seconds_[stage.name] = clock_.now() - start;
     }
+  }
+
+  /// Runs a stage, or takes over what is there: of this run before it was resumed, or kept from
+  /// another one.
+  void make(const workflow::Stage& stage) {
+    const double start = clock_.now();
+    if (resumed_ && !stage.analysis && made_in(directory_.file("stages/" + stage.name))) return;
+    std::string made_of;
+    if (stage.reuse) {
+      made_of = KeptProducts::made_of(stage, home_, directory_, scripts_, program_of(stage));
+      if (const auto made = kept_.take(stage, made_of, directory_)) {
+        result_.left_out.push_back(
+            {stage.name, "stage " + stage.name,
+             fmt::format("made of the same before (digest {}), and kept", made_of.substr(0, 16)),
+             made->seconds});
+        return;
+      }
+    }
+    const Exit ended = run_stage(stage, home_, directory_, scripts_);
+    peak_memory_[stage.name] = ended.peak_memory_bytes;
+    if (stage.analysis) return;
+    store_made(stage, directory_, made_of, clock_.now() - start);
+    if (stage.reuse) kept_.keep(stage, made_of, directory_);
+  }
+
+  /// Its program as the provenance knows it; a command's is known by its words.
+  [[nodiscard]] record::UsedProgram program_of(const workflow::Stage& stage) const {
+    const std::string name = solver_name(stage.program);
+    for (const record::UsedProgram& used : solvers_.get()) {
+      if (used.name == name) return used;
+    }
+    return {};
   }
 
   /// A run that goes on does so behind its newest checkpoint that the record reaches.
@@ -243,9 +275,13 @@ class Run {
   }
 
   void add_left_out() {
+    for (const std::string& field : workflow_.coupling->fields_left_out) {
+      result_.left_out.push_back(
+          {field, "field " + field, "nobody receives or records it", std::nullopt});
+    }
     for (const workflow::LeftOut& one : workflow_.left_out) {
       if (!one.active) continue;
-      report::Saving saving{one.what, one.why, std::nullopt};
+      report::Saving saving{one.name, one.what, one.why, std::nullopt};
       for (const participant::Saving& measured : outcome_.savings) {
         if (measured.name == one.name) saving.saving_s = measured.seconds;
       }
@@ -259,11 +295,6 @@ class Run {
   }
 
   void write_provenance() {
-    if (solvers_.valid()) {
-      for (const record::UsedProgram& used : solvers_.get()) {
-        solvers_json_.push_back(record::to_json(used));
-      }
-    }
     nlohmann::json json;
     json["format"] = 1;
     json["started"] = beginning_.started;
@@ -279,7 +310,12 @@ class Run {
     json["command"] = command;
     json["workflow"] = {{"path", workflow_.path},
                         {"digest", digest_of_file(directory_.file("workflow.yaml"))}};
-    json["solvers"] = solvers_json_;
+    json["solvers"] = nlohmann::json::array();
+    if (solvers_.valid()) {
+      for (const record::UsedProgram& used : solvers_.get()) {
+        json["solvers"].push_back(record::to_json(used));
+      }
+    }
     json["templates"] = record::to_json(scripts_.template_files());
     json["scripts"] = nlohmann::json::array();
     for (const Scripts::Stored& stored : scripts_.stored()) {
@@ -320,8 +356,8 @@ class Run {
   bool resumed_;
   report::Result result_;
   CoupledOutcome outcome_;
-  std::future<std::vector<record::UsedProgram>> solvers_;
-  nlohmann::json solvers_json_ = nlohmann::json::array();
+  std::shared_future<std::vector<record::UsedProgram>> solvers_;
+  KeptProducts kept_;
   std::map<std::string, double> stage_seconds_;
   std::map<std::string, double> peak_memory_;
   double report_seconds_ = 0;

@@ -52,6 +52,7 @@ Json to_json(const Stage& stage) {
           {"given", to_json(stage.given)},
           {"makes", stage.makes},
           {"after", stage.after},
+          {"reuse", stage.reuse},
           {"analysis", stage.analysis},
           {"deadline_s", stage.deadline}};
 }
@@ -137,7 +138,8 @@ Json to_json(const LeftOut& item) {
           {"also", item.also},
           {"what", item.what},
           {"why", item.why},
-          {"active", item.active}};
+          {"active", item.active},
+          {"by", item.unchanged_inputs ? "unchanged_inputs" : "switch"}};
 }
 
 template <typename List>

@@ -213,6 +213,13 @@ Object stage_keys() {
             .doc = "Stages that come first; those whose files are used, and the coupling before an "
                    "analysis, need not be named.",
             .example = "[mesh]"},
+           {.name = "reuse",
+            .kind = Kind::toggle,
+            .reference = true,
+            .fallback = "false",
+            .doc = "What it makes is kept, by the digest of its script, its input files and its "
+                   "program, and taken over by every later run that needs the same.",
+            .example = "true"},
            {.name = "analysis",
             .kind = Kind::toggle,
             .fallback = "false",
@@ -549,6 +556,15 @@ Object left_out_keys() {
         .fallback = "nobody else",
         .doc = "Further participants that are told; their templates have the same switch.",
         .example = "[grains]"},
+       {.name = "by",
+        .kind = Kind::choice,
+        .names = {"switch", "unchanged_inputs"},
+        .fallback = "switch",
+        .doc = "`switch`: the script does it, as said above. `unchanged_inputs`: a window in which "
+               "all that the participant receives has the bytes of its last window is not run, and "
+               "its answers are taken to be the same; for participants that are stateless and do "
+               "not look at the time.",
+        .example = "unchanged_inputs"},
        {.name = "what",
         .required = true,
         .doc = "What is not done; {windows} becomes their number.",

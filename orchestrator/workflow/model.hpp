@@ -55,6 +55,7 @@ struct Stage {
   GivenMap given;
   std::vector<std::string> makes;  ///< files it must have made, relative to its work directory
   std::vector<std::string> after;  ///< stages that must be done before, files' makers included
+  bool reuse = false;              ///< its products are kept for later runs
   bool analysis = false;           ///< a python stage that reads the record and writes quantities
   double deadline = 0;             ///< seconds
   Place place;
@@ -159,6 +160,8 @@ struct LeftOut {
   std::string what;
   std::string why;
   bool active = true;  ///< false: put back
+  /// Windows of `of` in which nothing that it receives has changed; else a switch in its template.
+  bool unchanged_inputs = false;
   Place place;
 };
 

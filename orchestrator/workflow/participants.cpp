@@ -48,6 +48,11 @@ void check_keys(const Context& context, const Section& section, const Participan
   }
 }
 
+/// Whether it is the engine that leaves it out, and not the participant's script.
+bool by_unchanged_inputs(const Section& section) {
+  return section.text("by") == "unchanged_inputs";
+}
+
 /// Adds the switches of what can be left out of this participant in this scope.
 void add_switches(const Context& context, const Declared& declared, const Scope& scope,
                   GivenMap& given) {
@@ -56,7 +61,7 @@ void add_switches(const Context& context, const Declared& declared, const Scope&
     const std::vector<std::string> also = section.texts("also");
     const bool told = section.text("of") == declared.name ||
                       std::find(also.begin(), also.end(), declared.name) != also.end();
-    if (!told || !applies(*each.node, scope)) continue;
+    if (!told || !applies(*each.node, scope) || by_unchanged_inputs(section)) continue;
     const Given flag{Value(!kept(context.options, each.name)), std::nullopt, each.place};
     if (!given.emplace(each.name, flag).second) {
       context.problems.add(each.place,
@@ -107,6 +112,7 @@ void read_left_out(const Context& context, Workflow& workflow) {
                  .what = section.text("what"),
                  .why = section.text("why"),
                  .active = !kept(context.options, each.name),
+                 .unchanged_inputs = by_unchanged_inputs(section),
                  .place = each.place};
     if (std::find(participants.begin(), participants.end(), item.of) == participants.end()) {
       if (!item.of.empty()) {

@@ -48,7 +48,7 @@ void check_keys(const Context& context, const Section& section, const Stage& sta
     }
   };
   if (stage.program == Program::coupling) {
-    refuses({"template", "command", "given", "makes", "analysis", "deadline"});
+    refuses({"template", "command", "given", "makes", "reuse", "analysis", "deadline"});
     if (!context.root.find("coupling")) {
       context.problems.add(stage.place, "there is no 'coupling' for this stage to run",
                            "add the key 'coupling', or remove the stage");
@@ -78,6 +78,7 @@ std::optional<Stage> read_stage(const Context& context, const Declared& declared
   stage.given =
       read_given(context, variant.scope, variant.node, applies(variant.node, variant.scope));
   stage.makes = section.texts("makes");
+  stage.reuse = section.toggle("reuse");
   stage.analysis = section.toggle("analysis");
   stage.deadline = section.number("deadline", stage.program == Program::coupling ? 0 : 600);
   for (const std::string& file : stage.makes) {

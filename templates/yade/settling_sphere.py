@@ -17,9 +17,14 @@ mass = O.bodies[grain].state.mass            # kg
 weight = mass * gravity                      # N
 buoyancy = mass / density * fluid_density * gravity  # N, weight of the displaced fluid
 
-# One grain touches nothing: no collider and no contact loop.
 O.engines = [
     ForceResetter(),
+{{^contact_detection}}
+    InsertionSortCollider([Bo1_Sphere_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()]
+    ),
+{{/contact_detection}}
     NewtonIntegrator(damping={{numerical_damping}}),
 ]
 O.dt = time_step / grain_steps

@@ -497,6 +497,59 @@ TEST(Timings, AddUp) {
   });
 }
 
+// ---- what was asked before
+
+TEST(AskedOnce, TheSameQuestionIsNotAskedAgain) {
+  for (const Scheme scheme : {Scheme::serial_explicit, Scheme::parallel_explicit}) {
+    Plan plan = plan_of(scheme, 0.1, 6, {field("motion", 1, 0), field("force", 0, 1)});
+    plan.asked_once = {true, false};
+    std::vector<double> asked;
+    FakePartner fluid("fluid", [&](FakePartner& self) {
+      asked.push_back(self.received[0][0]);
+      self.send(1, {2 * self.received[0][0]});
+    });
+    fluid.own_seconds = 0.5;
+    const std::vector<double> motions{1, 1, 2, 2, 2, 1};
+    std::vector<double> forces;
+    FakePartner grains("grains", [&](FakePartner& self) {
+      forces.push_back(self.received[1][0]);
+      self.send(0, {motions.at(static_cast<std::size_t>(self.window - 1))});
+    });
+    const std::vector<Partner*> partners{&fluid, &grains};
+    const FakeClock clock;
+    Engine engine(plan, partners, clock);
+    for (std::int64_t index = 1; index <= plan.windows; ++index) engine.window(index);
+    EXPECT_EQ(asked, (std::vector<double>{0, 1, 2})) << "of each window's begin: 0 1 1 2 2 2";
+    EXPECT_EQ(engine.spared(0).windows, 3);
+    EXPECT_DOUBLE_EQ(engine.spared(0).seconds, 1.5);
+    EXPECT_EQ(engine.spared(1).windows, 0);
+    const bool serial = scheme == Scheme::serial_explicit;
+    EXPECT_EQ(forces, serial ? (std::vector<double>{0, 2, 2, 4, 4, 4})
+                             : (std::vector<double>{0, 0, 2, 2, 4, 4}));
+  }
+}
+
+TEST(AskedOnce, ARelaxedFieldGoesOnTowardsTheSameAnswer) {
+  Plan plan =
+      plan_of(Scheme::serial_explicit, 0.1, 4, {field("motion", 1, 0), field("force", 0, 1)});
+  plan.asked_once = {true, false};
+  plan.acceleration = Acceleration::constant;
+  plan.relaxation = 0.5;
+  plan.fields[1].relaxed = true;
+  FakePartner fluid("fluid", [&](FakePartner& self) { self.send(1, {8}); });
+  std::vector<double> forces;
+  FakePartner grains("grains", [&](FakePartner& self) {
+    forces.push_back(self.received[1][0]);
+    self.send(0, {0});
+  });
+  const std::vector<Partner*> partners{&fluid, &grains};
+  const FakeClock clock;
+  Engine engine(plan, partners, clock);
+  for (std::int64_t index = 1; index <= plan.windows; ++index) engine.window(index);
+  EXPECT_EQ(forces, (std::vector<double>{4, 6, 7, 7.5}));
+  EXPECT_EQ(engine.spared(0).windows, 3);
+}
+
 // ---- memory
 
 /// A sphere's velocity under a drag that another one computes: partners with a state of their own.

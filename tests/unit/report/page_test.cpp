@@ -76,7 +76,7 @@ TEST_F(Page, ShowsWhatIsThere) {
   result.windows = 17;
   result.error = "participant 'grains' was killed";
   result.notes = {{"fluid", "inertia matters"}};
-  result.left_out = {{"fluid solve", "linear", 25.1}};
+  result.left_out = {{"unit_answer", "fluid solve", "linear", 25.1}};
   write_result(result, folder_.path());
   folder_.write("workflow.json",
                 R"({"name": "scene", "title": "A sphere", "description": "It falls.",
@@ -113,7 +113,7 @@ TEST_F(Page, HostileTextStaysText) {
   ComparisonResult comparison;
   comparison.name = comparison.source = comparison.because = comparison.skipped = hostile;
   result.comparisons = {comparison};
-  result.left_out = {{hostile, hostile, 1.0}};
+  result.left_out = {{hostile, hostile, hostile, 1.0}};
   write_result(result, folder_.path());
   folder_.write("workflow.json", json{{"name", hostile},
                                       {"title", hostile},

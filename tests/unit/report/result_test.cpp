@@ -48,7 +48,8 @@ Result example() {
   broken.value = not_a_number;
   broken.passed = false;
   result.comparisons = {made, skipped, broken};
-  result.left_out = {{"fluid solve", "linear", 25.1}, {"field", "nobody reads it", {}}};
+  result.left_out = {{"unit_answer", "fluid solve", "linear", 25.1},
+                     {"position", "field", "nobody reads it", {}}};
   result.notes = {{"fluid", "Re = 0.9"}};
   result.curves["velocity"] = "stages/analyse/velocity.csv";
   return result;
