@@ -46,7 +46,7 @@ void WorkflowOptions::add_to(CLI::App& verb) {
                  ->take_all();
 }
 
-workflow::Workflow WorkflowOptions::load() const {
+workflow::LoadOptions WorkflowOptions::load_options() const {
   const run::Home home = run::Home::find();
   workflow::LoadOptions options;
   options.templates_root = home.templates();
@@ -63,8 +63,10 @@ workflow::Workflow WorkflowOptions::load() const {
     if (!name.empty()) options.keep.push_back(name);
   }
   options.keep_all = no_prune->count() > 0 && options.keep.empty();
-  return workflow::load(file, options);
+  return options;
 }
+
+workflow::Workflow WorkflowOptions::load() const { return workflow::load(file, load_options()); }
 
 int main_program(int argc, char** argv) {
   CLI::App app{"Sandglass: coupled grain-continuum simulations from one YAML workflow"};
@@ -77,6 +79,9 @@ int main_program(int argc, char** argv) {
   add_run(app, session);
   add_resume(app, session);
   add_replay(app, session);
+  add_study(app, session);
+  add_why(app, session);
+  add_compare(app, session);
   add_check(app, session);
   add_plan(app, session);
   add_report(app, session);

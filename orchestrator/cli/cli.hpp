@@ -27,6 +27,9 @@ struct Session {
 void add_run(CLI::App& app, Session& session);
 void add_resume(CLI::App& app, Session& session);
 void add_replay(CLI::App& app, Session& session);
+void add_study(CLI::App& app, Session& session);
+void add_why(CLI::App& app, Session& session);
+void add_compare(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
@@ -53,6 +56,8 @@ struct WorkflowOptions {
   CLI::Option* no_prune = nullptr;
 
   void add_to(CLI::App& verb);
+  /// What was chosen, without the file. Throws Error::usage.
+  [[nodiscard]] workflow::LoadOptions load_options() const;
   /// Reads and checks the workflow. Throws what workflow::load throws.
   [[nodiscard]] workflow::Workflow load() const;
 };

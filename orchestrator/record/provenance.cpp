@@ -44,13 +44,14 @@ std::string package_version(const std::string& package) {
 }
 
 UsedProgram identify(const std::string& name, const std::string& program,
-                     const std::string& package, const std::vector<std::string>& parts) {
+                     const std::string& package, const std::vector<std::string>& parts,
+                     const DigestOf& digest) {
   UsedProgram used{name, find_program(program), package_version(package), {}, {}};
-  if (!used.path.empty()) used.digest = digest_of_file(used.path);
+  if (!used.path.empty()) used.digest = digest(used.path);
   for (const std::string& part : parts) {
     std::error_code error;
     if (std::filesystem::is_regular_file(part, error)) {
-      used.parts.push_back({part, digest_of_file(part)});
+      used.parts.push_back({part, digest(part)});
     }
   }
   return used;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "base/file.hpp"
 
 namespace sandglass::record {
 
@@ -22,10 +25,14 @@ struct UsedProgram {
   std::vector<UsedFile> parts;  ///< libraries and helpers that decide what it computes
 };
 
+/// The digest of the file at a path: digest_of_file, or something that remembers.
+using DigestOf = std::function<std::string(const std::string& path)>;
+
 /// Looks the program up on PATH, with its package's version and digests of itself and of `parts`
 /// (paths; those that are not there are passed over).
 UsedProgram identify(const std::string& name, const std::string& program,
-                     const std::string& package, const std::vector<std::string>& parts = {});
+                     const std::string& package, const std::vector<std::string>& parts = {},
+                     const DigestOf& digest = digest_of_file);
 
 /// Version of an installed Debian package; empty when it is not installed.
 std::string package_version(const std::string& package);

@@ -75,6 +75,10 @@ class Part {
   [[nodiscard]] std::string text_or_empty(const char* key) const {
     return has(key) ? at(key).text() : std::string();
   }
+  [[nodiscard]] bool toggle() const {
+    if (!value_.is_boolean()) fail("must be true or false");
+    return value_.get<bool>();
+  }
   /// A number; JSON has no word for the others, so null and "nan" are NaN, "inf" and "-inf" too.
   [[nodiscard]] double number() const {
     if (value_.is_number()) return value_.get<double>();
@@ -173,6 +177,7 @@ Curve read_curve(const Part& part) {
     part.fail(
         fmt::format("{} abscissae and {} ordinates", curve.x.values.size(), curve.y.values.size()));
   }
+  curve.points = part.has("points") && part.at("points").toggle();
   curve.file = part.text_or_empty("file");
   if (curve.file.find('/') != std::string::npos || curve.file.starts_with("..")) {
     part.at("file").fail("must be a file in the stage's own work directory");
@@ -201,8 +206,8 @@ Mark read_mark(const Part& part) {
 }
 
 Panel read_panel(const Part& part, const Analysis& analysis) {
-  part.allow(
-      {"title", "x_label", "x_unit", "y_label", "y_unit", "x_scale", "y_scale", "curves", "marks"});
+  part.allow({"title", "x_label", "x_unit", "y_label", "y_unit", "x_scale", "y_scale", "curves",
+              "marks", "y_names"});
   Panel panel;
   panel.title = part.text_or_empty("title");
   panel.x_label = part.text_or_empty("x_label");
@@ -240,6 +245,12 @@ Panel read_panel(const Part& part, const Analysis& analysis) {
   if (part.has("marks")) {
     for (const Part& item : part.at("marks").list()) panel.marks.push_back(read_mark(item));
   }
+  if (part.has("y_names")) {
+    for (const Part& item : part.at("y_names").list()) {
+      item.allow({"value", "name"});
+      panel.y_names.emplace_back(item.at("value").number(), item.at("name").text());
+    }
+  }
   return panel;
 }
 
@@ -262,6 +273,26 @@ Figure read_figure(const Part& part, const Analysis& analysis) {
   }
   if (figure.panels.empty()) part.at("panels").fail("a figure needs at least one panel");
   return figure;
+}
+
+Table read_table(const Part& part, const std::string& stage) {
+  part.allow({"name", "title", "caption", "columns", "rows"});
+  Table table;
+  table.stage = stage;
+  table.name = part.at("name").text();
+  part.at("name").check_name(table.name);
+  table.title = part.text_or_empty("title");
+  table.caption = part.text_or_empty("caption");
+  for (const Part& column : part.at("columns").list()) table.columns.push_back(column.text());
+  for (const Part& row : part.at("rows").list()) {
+    table.rows.emplace_back();
+    for (const Part& cell : row.list()) table.rows.back().push_back(cell.text());
+    if (table.rows.back().size() != table.columns.size()) {
+      row.fail(
+          fmt::format("{} cells for {} columns", table.rows.back().size(), table.columns.size()));
+    }
+  }
+  return table;
 }
 
 json parse(const std::string& path, const std::string& stage) {
@@ -318,6 +349,11 @@ Analysis read_analysis(const std::string& path, const std::string& stage) {
     }
     analysis.figures.push_back(std::move(figure));
   }
+  if (root.has("tables")) {
+    for (const Part& part : root.at("tables").list()) {
+      analysis.tables.push_back(read_table(part, stage));
+    }
+  }
   return analysis;
 }
 
@@ -338,6 +374,7 @@ Analysis read_analyses(const std::string& run_directory, const std::vector<std::
       }
       all.figures.push_back(std::move(figure));
     }
+    for (Table& table : one.tables) all.tables.push_back(std::move(table));
   }
   return all;
 }

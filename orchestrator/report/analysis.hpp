@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/value.hpp"
@@ -33,8 +34,9 @@ struct Curve {
   std::string label;
   std::string source;
   Axis x;
-  Axis y;            ///< as many values as x
-  std::string file;  ///< CSV in the stage's work directory; may be empty
+  Axis y;               ///< as many values as x
+  std::string file;     ///< CSV in the stage's work directory; may be empty
+  bool points = false;  ///< drawn without a line
 };
 
 /// A line across a panel at one value, with a label.
@@ -54,6 +56,7 @@ struct Panel {
   bool y_logarithmic = false;
   std::vector<std::string> curves;  ///< names of curves, in the order they are drawn
   std::vector<Mark> marks;
+  std::vector<std::pair<double, std::string>> y_names;  ///< what some ordinates stand for
 };
 
 struct Figure {
@@ -65,11 +68,22 @@ struct Figure {
   std::vector<Panel> panels;
 };
 
+/// Texts in rows, as many in each as there are columns.
+struct Table {
+  std::string stage;
+  std::string name;
+  std::string title;
+  std::string caption;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+};
+
 /// What the analysis stages of a run have found, by name.
 struct Analysis {
   std::map<std::string, Computed> quantities;
   std::map<std::string, Curve> curves;
   std::vector<Figure> figures;
+  std::vector<Table> tables;
 };
 
 /// Reads the `analysis.json` that `stage` wrote (format 1, templates/README.md). Throws

@@ -62,16 +62,20 @@ json curve_to_json(const Curve& curve, const Scale& x_scale, const Scale& y_scal
   std::vector<double> x = curve.x.values;
   std::vector<double> y = curve.y.values;
   std::vector<double> error = curve.y.error;
+  std::vector<double> x_error = curve.x.error;
   std::transform(x.begin(), x.end(), x.begin(), x_scale);
   std::transform(y.begin(), y.end(), y.begin(), y_scale);
   for (double& value : error) value = y_scale.length(value);
+  for (double& value : x_error) value = x_scale.length(value);
   constexpr size_t most = 4000;  // a panel is some 700 dots wide
-  if (error.empty()) thin(x, y, most);
+  if (error.empty() && x_error.empty()) thin(x, y, most);
   return {{"kind", kind_name(curve.kind)},
           {"label", curve.label},
           {"x", finite(x)},
           {"y", finite(y)},
-          {"error", finite(error)}};
+          {"x_error", finite(x_error)},
+          {"error", finite(error)},
+          {"points", curve.points}};
 }
 
 json panel_to_json(const Panel& panel, const Analysis& analysis) {
@@ -88,13 +92,18 @@ json panel_to_json(const Panel& panel, const Analysis& analysis) {
                      {"value", (mark.on_x ? x_scale : y_scale)(mark.value)},
                      {"label", mark.label}});
   }
+  json y_names = json::array();
+  for (const auto& [value, name] : panel.y_names) {
+    y_names.push_back({{"value", y_scale(value)}, {"name", name}});
+  }
   return {{"title", panel.title},
           {"x_label", axis_label(panel.x_label, panel.x_unit)},
           {"y_label", axis_label(panel.y_label, panel.y_unit)},
           {"x_scale", panel.x_logarithmic ? "log" : "linear"},
           {"y_scale", panel.y_logarithmic ? "log" : "linear"},
           {"curves", std::move(curves)},
-          {"marks", std::move(marks)}};
+          {"marks", std::move(marks)},
+          {"y_names", std::move(y_names)}};
 }
 
 }  // namespace

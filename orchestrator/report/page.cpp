@@ -48,6 +48,10 @@ Analysis draw_all(const std::string& run_directory, const ReportTools& tools,
   return {};
 }
 
+Value::List list_of(const std::string& text) {
+  return text.empty() ? Value::List{} : Value::List{text};
+}
+
 /// A path below the run directory as a link.
 std::string href(const std::string& path) {
   static const std::string plain = "-_.~/";
@@ -78,6 +82,22 @@ Value::List figure_values(const Analysis& analysis, const std::string& run_direc
   return figures;
 }
 
+Value::List table_values(const Analysis& analysis) {
+  Value::List tables;
+  for (const Table& table : analysis.tables) {
+    Value::List rows;
+    for (const auto& cells : table.rows) {
+      rows.push_back(Value::Map{{"cells", Value::List(cells.begin(), cells.end())}});
+    }
+    tables.push_back(
+        Value::Map{{"table_title", table.title},
+                   {"caption", list_of(table.caption)},
+                   {"columns", Value::List(table.columns.begin(), table.columns.end())},
+                   {"rows", std::move(rows)}});
+  }
+  return tables;
+}
+
 /// What lies in the run directory, and the stages' own files, to open.
 Value::List file_values(const std::string& run_directory) {
   std::vector<std::string> names;
@@ -102,10 +122,6 @@ Value::List file_values(const std::string& run_directory) {
 void add_section(Value::Map& values, const std::string& name, Value::List rows) {
   values["has_" + name] = !rows.empty();
   values[name] = std::move(rows);
-}
-
-Value::List list_of(const std::string& text) {
-  return text.empty() ? Value::List{} : Value::List{text};
 }
 
 }  // namespace
@@ -133,6 +149,10 @@ std::vector<std::string> write_report(const std::string& run_directory, const Re
   values["banner"] = banner.sentence;
   values["error"] = list_of(result.error);
   values["figures"] = figure_values(analysis, run_directory);
+  values["tables"] = table_values(analysis);
+  const json study = read_optional(run_directory, "points.json", incomplete);
+  values["points_summary"] = list_of(points_summary(study));
+  add_section(values, "points", point_rows(study));
   add_section(values, "comparisons", comparison_rows(result));
   add_section(values, "quantities", quantity_rows(result));
   add_section(values, "parameters", parameter_rows(workflow));

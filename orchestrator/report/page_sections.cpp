@@ -196,6 +196,61 @@ Value::List comparison_rows(const Result& result) {
   return rows;
 }
 
+namespace {
+
+const json& points_of(const json& study) {
+  static const json none = json::array();
+  const json& points = at(study, "points");
+  return points.is_array() ? points : none;
+}
+
+/// "as expected: unstable" and the like.
+std::string outcome_text(const json& point) {
+  const std::string status = text_at(point, "status");
+  const bool good = point.value("good", false);
+  if (status.empty()) return "no result";
+  if (status == "mismatch" && good) return "out of tolerance";
+  return good && status != "done" ? status + ", as expected" : status;
+}
+
+}  // namespace
+
+std::string points_summary(const json& study) {
+  std::size_t good = 0;
+  std::size_t outside = 0;
+  for (const json& point : points_of(study)) {
+    if (point.value("good", false)) ++good;
+    if (point.value("good", false) && text_at(point, "status") == "mismatch") ++outside;
+  }
+  const std::size_t all = points_of(study).size();
+  if (all == 0) return {};
+  std::string text =
+      fmt::format("{}: {} as expected", plural(static_cast<std::int64_t>(all), "point"), good);
+  if (good < all) text += fmt::format(", {} otherwise", all - good);
+  if (outside > 0)
+    text += fmt::format("; {} of them out of the workflow's own tolerances", outside);
+  return text + ".";
+}
+
+Value::List point_rows(const json& study) {
+  Value::List rows;
+  for (const json& point : points_of(study)) {
+    const bool good = point.value("good", false);
+    const json& seconds = at(at(point, "seconds"), "run");
+    rows.push_back(
+        Value::Map{{"label", text_at(point, "label")},
+                   {"set", list_of(text_at(point, "set"))},
+                   {"outcome", outcome_text(point)},
+                   {"class", !good                                ? "bad"
+                             : text_at(point, "status") == "done" ? "good"
+                                                                  : "calm"},
+                   {"windows", std::to_string(point.value("windows", std::int64_t{0}))},
+                   {"seconds", seconds.is_number() ? pretty_seconds(seconds.get<double>())
+                                                   : std::string("–")}});
+  }
+  return rows;
+}
+
 Value::List quantity_rows(const Result& result) {
   Value::List rows;
   for (const auto& [name, quantity] : result.quantities) {

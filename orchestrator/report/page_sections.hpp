@@ -19,6 +19,9 @@ Banner banner_of(const Result& result);
 
 Value::List comparison_rows(const Result& result);
 Value::List quantity_rows(const Result& result);
+/// Of a study's points.json: one sentence on all of them (or empty), and a row each.
+std::string points_summary(const nlohmann::ordered_json& study);
+Value::List point_rows(const nlohmann::ordered_json& study);
 Value::List parameter_rows(const nlohmann::ordered_json& workflow);
 /// "wall time 4.2 s, 30 windows, ..." : one sentence, or empty.
 std::string time_summary(const Result& result);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
@@ -94,19 +93,8 @@ void compare(const std::vector<record::UsedFile>& then, const std::vector<record
 }  // namespace
 
 std::vector<record::UsedFile> data_files(const workflow::Workflow& workflow, const Home& home) {
-  std::set<std::string> paths;
-  const auto add = [&](const workflow::GivenMap& given) {
-    for (const auto& [name, one] : given) {
-      if (one.file && one.file->stage.empty()) paths.insert(one.file->file);
-    }
-  };
-  for (const workflow::Stage& stage : workflow.stages) add(stage.given);
-  for (const workflow::Participant& one : workflow.participants) add(one.given);
-  for (const workflow::Comparison& one : workflow.comparisons) {
-    if (!one.reference_file.empty()) paths.insert(one.reference_file);
-  }
   std::vector<record::UsedFile> files;
-  for (const std::string& path : paths) {
+  for (const std::string& path : workflow::data_files(workflow)) {
     files.push_back({"data/" + path, digest_of_file(home.data() + "/" + path)});
   }
   return files;

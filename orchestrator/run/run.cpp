@@ -36,18 +36,6 @@ namespace {
 constexpr const char* kReserve = "reserve";
 constexpr std::size_t kReserveBytes = 262144;
 
-/// The names of the solvers that a workflow needs, each once.
-std::set<std::string> solvers_of(const workflow::Workflow& workflow) {
-  std::set<std::string> names;
-  for (const workflow::Stage& stage : workflow.stages) names.insert(solver_name(stage.program));
-  for (const workflow::Participant& one : workflow.participants) {
-    names.insert(solver_name(one.solver));
-  }
-  names.erase("command");
-  names.erase("coupling");
-  return names;
-}
-
 std::vector<record::UsedProgram> identify_all(const Home& home,
                                               const std::set<std::string>& names) {
   std::vector<record::UsedProgram> used;
@@ -109,6 +97,7 @@ class Run {
 
   void prepare() {
     write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
+    for (const auto& [name, text] : options_.files) write_file(directory_.file(name), text);
     // Reading whole solvers takes a while: it is done while they start.
     solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_)).share();
   }

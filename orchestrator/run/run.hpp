@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct Options {
   std::string out;                   ///< run directory; empty: a new numbered one below `runs`
   std::string runs = "runs";         ///< where numbered run directories are made
   std::vector<std::string> command;  ///< the command line, for the provenance
+  std::map<std::string, std::string> files;  ///< name and text, put into the run directory first
 };
 
 /// How a run ended. The same is in result.json.

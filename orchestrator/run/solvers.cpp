@@ -136,7 +136,19 @@ Command stage_command(const Home& home, const workflow::Stage& stage, const std:
   return command;
 }
 
-record::UsedProgram identify_solver(const Home& home, const std::string& name) {
+std::set<std::string> solvers_of(const workflow::Workflow& workflow) {
+  std::set<std::string> names;
+  for (const workflow::Stage& stage : workflow.stages) names.insert(solver_name(stage.program));
+  for (const workflow::Participant& one : workflow.participants) {
+    names.insert(solver_name(one.solver));
+  }
+  names.erase("command");
+  names.erase("coupling");
+  return names;
+}
+
+record::UsedProgram identify_solver(const Home& home, const std::string& name,
+                                    const record::DigestOf& digest) {
   const SolverInfo& info = solver(name);
   std::vector<std::string> parts;
   if (name == "yade") {
@@ -148,7 +160,7 @@ record::UsedProgram identify_solver(const Home& home, const std::string& name) {
   } else if (name == "python") {
     parts = {home.templates() + "/python/sandglass_analysis.py"};
   }
-  record::UsedProgram used = record::identify(info.name, info.program, info.package, parts);
+  record::UsedProgram used = record::identify(info.name, info.program, info.package, parts, digest);
   // Our own files are named as they are in the checkout or the build, wherever those are.
   for (record::UsedFile& part : used.parts) {
     for (const std::string& place : {home.build + "/", home.root + "/"}) {

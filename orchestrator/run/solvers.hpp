@@ -1,8 +1,10 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
+#include "base/file.hpp"
 #include "process/process.hpp"
 #include "record/provenance.hpp"
 #include "run/home.hpp"
@@ -31,7 +33,11 @@ Command participant_command(const Home& home, const workflow::Participant& parti
 /// The command that runs a stage's script once.
 Command stage_command(const Home& home, const workflow::Stage& stage, const std::string& script);
 
+/// The names of the solvers that a workflow needs, each once.
+std::set<std::string> solvers_of(const workflow::Workflow& workflow);
+
 /// Program, package version and digests, with the helpers of ours that it loads.
-record::UsedProgram identify_solver(const Home& home, const std::string& name);
+record::UsedProgram identify_solver(const Home& home, const std::string& name,
+                                    const record::DigestOf& digest = digest_of_file);
 
 }  // namespace sandglass::run

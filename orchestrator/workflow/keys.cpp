@@ -36,8 +36,8 @@ Object workflow_keys() {
        {.name = "stages",
         .kind = Kind::object,
         .many = Many::map,
-        .required = true,
         .object = "stage",
+        .fallback = "none, in a study of another workflow; else there must be some",
         .doc = "What is run, by name, in an order that 'after' and files decide.",
         .example = "{couple: {run: coupling}}"},
        {.name = "participants",
@@ -67,7 +67,122 @@ Object workflow_keys() {
         .many = Many::map,
         .object = "left_out",
         .doc = "What this scene does not need, by name; '--no-prune' puts it back.",
-        .example = "{repeated_solve: {of: fluid, ...}}"}}};
+        .example = "{repeated_solve: {of: fluid, ...}}"},
+       {.name = "study",
+        .kind = Kind::object,
+        .object = "study",
+        .doc = "A sweep over parameters, for 'sandglass study': of this workflow, or of another "
+               "one (`of`), whose results the stages and comparisons of this file then look at.",
+        .example = "{of: icy_stokes_sphere.yaml, points: [...]}"}}};
+}
+
+Object study_keys() {
+  return {
+      "study",
+      "A workflow run for many values of its parameters.",
+      {{.name = "of",
+        .fallback = "this workflow",
+        .doc = "The workflow that is run at every point, relative to this file.",
+        .example = "icy_stokes_sphere.yaml"},
+       {.name = "set",
+        .kind = Kind::settings,
+        .doc = "Parameters that are set in all points.",
+        .example = "{end_time: 22 ms}"},
+       {.name = "points",
+        .kind = Kind::object,
+        .many = Many::list,
+        .required = true,
+        .object = "points",
+        .doc = "Sets of points; together they are the study.",
+        .example = "[{grid: {window: [1 ms, 2 ms]}}]"},
+       {.name = "judge",
+        .kind = Kind::toggle,
+        .fallback = "true",
+        .doc = "Whether a point whose comparisons are out of tolerance makes the study end with 6. "
+               "Where coarse settings are swept on purpose, their errors are the result.",
+        .example = "false"},
+       {.name = "work_precision",
+        .kind = Kind::object,
+        .many = Many::list,
+        .object = "work_precision",
+        .doc = "Diagrams of error against run time, with the efficient frontier and the cheapest "
+               "settings; the error of each names it.",
+        .example = "[{error: drag_relative_error}]"}}};
+}
+
+Object points_keys() {
+  return {
+      "points",
+      "Some points of a study: every item of `list` with every combination of `grid` and `seeds`.",
+      {{.name = "name",
+        .doc = "What these points are for, in a few words.",
+        .example = "mesh of the box"},
+       {.name = "set",
+        .kind = Kind::settings,
+        .doc = "Parameters that are set in all of these points.",
+        .example = "{fluid: box}"},
+       {.name = "list",
+        .kind = Kind::settings,
+        .many = Many::list,
+        .doc = "Single points, or values of several parameters that go together.",
+        .example = "[{element_order: cubic, radial_elements: 24}]"},
+       {.name = "grid",
+        .kind = Kind::sweep,
+        .doc = "The values of each parameter; all combinations are run.",
+        .example = "{window: [1 ms, 2 ms], scheme: [serial-explicit, parallel-explicit]}"},
+       {.name = "seeds",
+        .kind = Kind::sweep,
+        .doc = "As `grid`, but points that differ in nothing else are samples of one: their spread "
+               "becomes an error bar.",
+        .example = "{seed: [1, 2, 3, 4, 5]}"},
+       {.name = "repeat",
+        .kind = Kind::count,
+        .minimum = 1,
+        .fallback = "1",
+        .doc = "How often each point is run; the spread of run times becomes an error bar.",
+        .example = "3"},
+       {.name = "expect",
+        .kind = Kind::choice,
+        .names = {"done", "unstable"},
+        .fallback = "done",
+        .doc = "How these points must end: well, or stopped by the stability watch (5).",
+        .example = "unstable"}}};
+}
+
+Object work_precision_keys() {
+  return {
+      "work_precision",
+      "Which result is the error, what its price is, and what counts as one method.",
+      {{.name = "error",
+        .kind = Kind::name,
+        .required = true,
+        .doc = "The quantity whose magnitude is the error; with `reference`, its difference.",
+        .example = "drag_relative_error"},
+       {.name = "reference",
+        .kind = Kind::object,
+        .object = "reference",
+        .doc = "What the quantity should be, a `value` or another `quantity`: the error is then "
+               "the relative difference (absolute where the reference is 0).",
+        .example = "{quantity: stokes_terminal_velocity}"},
+       {.name = "points",
+        .many = Many::list,
+        .fallback = "all of them",
+        .doc = "The names of the sets of points that are looked at.",
+        .example = "[mesh of the box]"},
+       {.name = "method",
+        .kind = Kind::name,
+        .many = Many::list,
+        .fallback = "every set of points is one method",
+        .doc = "The parameters whose values divide a set of points into methods; each method is a "
+               "line in the figure.",
+        .example = "[fluid, element_order]"},
+       {.name = "seconds",
+        .kind = Kind::name,
+        .many = Many::list,
+        .fallback = "the whole run, from its start to its report",
+        .doc = "What counts as the price: stages; participants (their work in the windows, by "
+               "their own account); start, orchestrator, report.",
+        .example = "[mesh, convert, fluid]"}}};
 }
 
 Key choose_key() {
@@ -591,10 +706,10 @@ std::vector<std::string> Object::key_names() const {
 }
 
 const std::vector<Object>& objects() {
-  static const std::vector<Object> all = {workflow_keys(),    parameter_keys(), stage_keys(),
-                                          participant_keys(), coupling_keys(),  stability_keys(),
-                                          field_keys(),       record_keys(),    comparison_keys(),
-                                          reference_keys(),   left_out_keys()};
+  static const std::vector<Object> all = {
+      workflow_keys(),  parameter_keys(), stage_keys(),  participant_keys(),   coupling_keys(),
+      stability_keys(), field_keys(),     record_keys(), comparison_keys(),    reference_keys(),
+      left_out_keys(),  study_keys(),     points_keys(), work_precision_keys()};
   return all;
 }
 
@@ -632,6 +747,10 @@ std::string description_of(const Key& key) {
         return "list of parameters, or map of names to values";
       case Kind::condition:
         return "map of parameters to a value or a list of values";
+      case Kind::settings:
+        return "map of parameters to a value";
+      case Kind::sweep:
+        return "map of parameters to a list of values";
       case Kind::shape:
         return "list of lengths";
       case Kind::selection:

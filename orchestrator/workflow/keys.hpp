@@ -24,6 +24,8 @@ enum class Kind {
   literal,    ///< a number, switch or text, typed by how it is written
   given,      ///< names and values for a template
   condition,  ///< parameters and the values they must have
+  settings,   ///< parameters and the value each is set to
+  sweep,      ///< parameters and the values each takes in turn
   shape,      ///< lengths of the axes of an array
   selection,  ///< a list of names, or all, or none
   object      ///< a map with keys of its own: another table

@@ -13,6 +13,7 @@
 #include "workflow/participants.hpp"
 #include "workflow/stages.hpp"
 #include "workflow/structure.hpp"
+#include "workflow/study.hpp"
 #include "workflow/yaml.hpp"
 
 namespace sandglass::workflow {
@@ -84,6 +85,7 @@ Workflow load_text(const std::string& text, const std::string& path, const LoadO
   read_coupling(context, workflow);
   read_stages(context, workflow);
   read_comparisons(context, workflow);
+  read_study(context, workflow);
   if (workflow.coupling) {
     const std::string windows = std::to_string(workflow.coupling->windows);
     for (LeftOut& item : workflow.left_out) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "base/unit.hpp"
 #include "workflow/values.hpp"
 
@@ -28,6 +30,21 @@ const Parameter* Workflow::parameter(const std::string& wanted) const {
     if (candidate.name == wanted) return &candidate;
   }
   return nullptr;
+}
+
+std::vector<std::string> data_files(const Workflow& workflow) {
+  std::set<std::string> paths;
+  const auto add = [&](const GivenMap& given) {
+    for (const auto& [name, one] : given) {
+      if (one.file && one.file->stage.empty()) paths.insert(one.file->file);
+    }
+  };
+  for (const Stage& stage : workflow.stages) add(stage.given);
+  for (const Participant& one : workflow.participants) add(one.given);
+  for (const Comparison& one : workflow.comparisons) {
+    if (!one.reference_file.empty()) paths.insert(one.reference_file);
+  }
+  return {paths.begin(), paths.end()};
 }
 
 std::string shown(const Parameter& parameter) {

@@ -165,10 +165,11 @@ struct LeftOut {
   Place place;
 };
 
-/// One `--set name=value`.
+/// One `--set name=value`, or one value of a study.
 struct Setting {
   std::string name;
   std::string text;
+  Place place = {};  ///< where a study says it; empty: the command line
 };
 
 /// What the command line changes in a workflow.
@@ -176,6 +177,38 @@ struct Changes {
   std::vector<Setting> settings;
   bool keep_all = false;  ///< --no-prune: nothing is left out
   std::vector<std::string> keep;
+};
+
+/// Some points of a study: every item of `list` (one empty item where there is none) with every
+/// combination of the values of `grid` and of `seeds`.
+struct StudyPoints {
+  std::string name;
+  std::vector<Setting> set;
+  std::vector<std::vector<Setting>> list;
+  std::vector<std::vector<Setting>> grid;   ///< per parameter its values
+  std::vector<std::vector<Setting>> seeds;  ///< the same; points differing here are samples of one
+  std::int64_t repeat = 1;
+  bool unstable = false;  ///< expected to be ended by the stability watch
+  Place place;
+};
+
+/// How error against run time is read off the points.
+struct WorkPrecision {
+  std::string error;                      ///< a quantity
+  std::optional<double> reference_value;  ///< SI; one of these two, or none: `error` is the error
+  std::string reference_quantity;
+  std::vector<std::string> points;   ///< names of sets of points; empty: all
+  std::vector<std::string> method;   ///< parameters
+  std::vector<std::string> seconds;  ///< stages, participants, ...; empty: the whole run
+};
+
+struct Study {
+  std::string of;  ///< path of the swept workflow; empty: the file itself
+  std::vector<Setting> set;
+  std::vector<StudyPoints> points;
+  bool judge = true;  ///< comparisons of points decide the exit status
+  std::vector<WorkPrecision> work_precision;
+  Place place;
 };
 
 struct Workflow {
@@ -191,6 +224,7 @@ struct Workflow {
   std::optional<Coupling> coupling;
   std::vector<Comparison> comparisons;
   std::vector<LeftOut> left_out;
+  std::optional<Study> study;
 
   [[nodiscard]] const Parameter* parameter(const std::string& name) const;
 };
@@ -202,6 +236,9 @@ struct LoadOptions : Changes {
   std::string templates_root;  ///< the templates/ folder
   std::string data_root;       ///< the data/ folder
 };
+
+/// The files below data/ that its stages, participants and comparisons name, each once.
+std::vector<std::string> data_files(const Workflow& workflow);
 
 /// Reads and checks a workflow, templates included (every name used is given, every name given is
 /// used, for every case that could be chosen). Throws Error::refused with all problems of one pass,

@@ -20,6 +20,11 @@ using Type = Parameter::Type;
 
 const std::vector<Parameter> no_parameters;
 
+Place place_of(const Setting& setting, const std::string& name) {
+  if (!setting.place.file.empty()) return setting.place;
+  return {fmt::format("command line (--set {})", name), 0, 0};
+}
+
 /// One parameter while it is read: its declaration, and where to report.
 class Declaration {
  public:
@@ -46,7 +51,7 @@ class Declaration {
     }
     if (!setting) return;
     result_.overridden = true;
-    take(setting->text, {fmt::format("command line (--set {})", setting->name), 0, 0});
+    take(setting->text, place_of(*setting, setting->name));
   }
 
  private:
@@ -214,8 +219,10 @@ std::map<std::string, const Setting*> by_name(const std::vector<Setting>& settin
   }
   std::map<std::string, const Setting*> result;
   std::vector<Problem> wrong;
+  bool in_study = false;
   for (const Setting& setting : settings) {
-    const Place place{fmt::format("command line (--set {})", in_quotes(setting.name)), 0, 0};
+    const Place place = place_of(setting, in_quotes(setting.name));
+    in_study = in_study || !setting.place.file.empty();
     if (std::find(names.begin(), names.end(), setting.name) == names.end()) {
       wrong.push_back({place,
                        fmt::format("the workflow has no parameter {}", in_quotes(setting.name)),
@@ -227,7 +234,7 @@ std::map<std::string, const Setting*> by_name(const std::vector<Setting>& settin
       wrong.push_back({place, fmt::format("'{}' is set twice", setting.name), "keep one"});
     }
   }
-  if (!wrong.empty()) throw Error(ExitCode::usage, std::move(wrong));
+  if (!wrong.empty()) throw Error(in_study ? ExitCode::refused : ExitCode::usage, std::move(wrong));
   return result;
 }
 

@@ -26,6 +26,14 @@ Json condition() {
           {"additionalProperties", {{"anyOf", Json::array({scalar(), list})}}}};
 }
 
+/// One value by parameter, or a list of them.
+Json settings(bool sweep) {
+  const Json list = {{"type", "array"}, {"minItems", 1}, {"items", scalar()}};
+  return {{"type", "object"},
+          {"propertyNames", {{"pattern", name_pattern}}},
+          {"additionalProperties", sweep ? list : scalar()}};
+}
+
 Json given() {
   const Json map = {{"type", "object"}, {"propertyNames", {{"pattern", name_pattern}}}};
   const Json name = {{"type", "string"}, {"pattern", name_pattern}};
@@ -80,6 +88,10 @@ Json one(const Key& key) {
       return given();
     case Kind::condition:
       return condition();
+    case Kind::settings:
+      return settings(false);
+    case Kind::sweep:
+      return settings(true);
     case Kind::shape:
       return shape();
     case Kind::selection:

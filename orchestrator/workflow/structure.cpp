@@ -68,6 +68,26 @@ void check_selection(const Node& node, const Key& key, const Scope& scope) {
   for (const Node& item : node.items) (void)scope.scalar(item, item_key);
 }
 
+/// Parameters with a value, or a list of values, each. Whether they fit is known only with the
+/// workflow that is swept.
+void check_settings(const Node& node, const Key& key, const Scope& scope) {
+  if (!is(node, Node::Kind::map, key, scope)) return;
+  const bool sweep = key.kind == Kind::sweep;
+  for (size_t i = 0; i < node.keys.size(); ++i) {
+    const Node& item = node.items[i];
+    const bool listed = item.kind == Node::Kind::list && !item.items.empty();
+    const bool plain = std::all_of(item.items.begin(), item.items.end(), [](const Node& value) {
+      return value.kind == Node::Kind::scalar;
+    });
+    if (item.kind == Node::Kind::broken) continue;
+    if (sweep ? listed && plain : item.kind == Node::Kind::scalar) continue;
+    scope.report(scope.at(node.keys[i]),
+                 fmt::format("'{}' under '{}' must be a {}", node.keys[i].text, key.name,
+                             sweep ? "list of values" : "single value"),
+                 fmt::format("expected: {}, such as {}", description_of(key), key.example));
+  }
+}
+
 void check_one(const Node& node, const Key& key, const Place& where, const Scope& scope,
                const std::string& name = {}) {
   switch (key.kind) {
@@ -81,6 +101,9 @@ void check_one(const Node& node, const Key& key, const Place& where, const Scope
     case Kind::condition:
       (void)scope.holds(node);
       return;
+    case Kind::settings:
+    case Kind::sweep:
+      return check_settings(node, key, scope);
     case Kind::shape:
       (void)scope.shape(node);
       return;

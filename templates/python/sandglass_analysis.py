@@ -24,7 +24,7 @@ import re
 import h5py
 import numpy
 
-__all__ = ["open_record", "Record", "quantity", "curve", "figure", "finish"]
+__all__ = ["open_record", "open_study", "Record", "Point", "quantity", "curve", "figure", "table", "finish"]
 
 FORMAT = 1
 KINDS = ("computed", "analytic", "published", "measured")
@@ -33,6 +33,7 @@ SCALES = ("linear", "log")
 _quantities = {}
 _curves = {}
 _figures = []
+_tables = []
 
 
 class Record:
@@ -93,6 +94,39 @@ def open_record(path=None):
     return Record(path)
 
 
+class Point:
+    """One point of a study, from points.json of its summary: how its run ended and what it gave.
+
+    name, set (of points), label ("window=1 ms, seed=2"), sample_of (the label without seeds and repetition),
+    repetition, expect ("done" or "unstable"), good (it ended as expected), status and exit_code (None without a
+    result), error, windows, parameters (SI), seconds (of the run, stages, participants), quantities, notes.
+    """
+
+    def __init__(self, row, folder):
+        self.name, self.set, self.label = row["name"], row["set"], row["label"]
+        self.sample_of, self.repetition = row["sample_of"], row["repetition"]
+        self.expect, self.good = row["expect"], row["good"]
+        self.status, self.exit_code = row.get("status"), row.get("exit_code")
+        self.error, self.windows = row.get("error", ""), row.get("windows", 0)
+        self.parameters, self.seconds = row.get("parameters", {}), row.get("seconds", {})
+        self.quantities, self.notes = row.get("quantities", {}), row.get("notes", [])
+        self.run = os.path.join(folder, row["run"])
+
+    def record(self):
+        """The record of its run, also of one that ended early."""
+        return Record(os.path.join(self.run, "record.h5"))
+
+
+def open_study():
+    """The points of the study that this stage looks at, in its order."""
+    folder = os.path.abspath(os.path.join("..", ".."))  # a stage runs in stages/NAME of the run directory
+    path = os.path.join(folder, "points.json")
+    if not os.path.exists(path):
+        raise RuntimeError("there are no points here: this stage belongs to a study, run it by 'sandglass study'")
+    with open(path, encoding="utf-8") as file:
+        return [Point(row, folder) for row in json.load(file)["points"]]
+
+
 def quantity(name, value, unit, meaning=""):
     """A result: a number, a (nested) list of numbers, or None where it is not defined in this run.
 
@@ -102,11 +136,13 @@ def quantity(name, value, unit, meaning=""):
     _quantities[name] = {"value": _plain(value), "unit": unit, "meaning": meaning}
 
 
-def curve(name, x, y, x_unit, y_unit, label, kind, x_name="time", y_name=None, source=""):
+def curve(name, x, y, x_unit, y_unit, label, kind, x_name="time", y_name=None, source="", points=False, x_error=None,
+          y_error=None):
     """A curve, drawn where a figure names it. A y that is not finite is a gap; such an x has no place and is left out.
 
-    `kind` is computed, analytic, published or measured; `source` says where a published curve was published. Returns
-    the name, so that a figure can be put together from what was made.
+    `kind` is computed, analytic, published or measured; `source` says where a published curve was published. With
+    `points` only its points are drawn, without a line; `x_error` and `y_error` are half the lengths of error bars.
+    Returns the name, so that a figure can be put together from what was made.
     """
     _fresh_name(name, _curves, "curve")
     if kind not in KINDS:
@@ -115,22 +151,31 @@ def curve(name, x, y, x_unit, y_unit, label, kind, x_name="time", y_name=None, s
     y = numpy.atleast_1d(numpy.asarray(y, dtype=numpy.float64))
     if x.ndim != 1 or x.shape != y.shape:
         raise ValueError("curve '%s': x has shape %s, y %s; two equal lists are needed" % (name, x.shape, y.shape))
-    x, y = x[numpy.isfinite(x)], y[numpy.isfinite(x)]
+    there = numpy.isfinite(x)
+    bars = {}
+    for axis, error in (("x", x_error), ("y", y_error)):
+        if error is not None:
+            error = numpy.broadcast_to(numpy.asarray(error, dtype=numpy.float64), x.shape)[there]
+            bars[axis] = {"error": [v if math.isfinite(v) else 0.0 for v in error.tolist()]}
+    x, y = x[there], y[there]
     _curves[name] = {
         "kind": kind,
         "label": label,
         "source": source,
-        "x": {"name": x_name, "unit": x_unit, "values": x.tolist()},
-        "y": {"name": y_name or name, "unit": y_unit, "values": [v if math.isfinite(v) else None for v in y.tolist()]},
+        "x": {"name": x_name, "unit": x_unit, "values": x.tolist(), **bars.get("x", {})},
+        "y": {"name": y_name or name, "unit": y_unit, "values": [v if math.isfinite(v) else None for v in y.tolist()],
+              **bars.get("y", {})},
         "file": name + ".csv",
     }
+    if points:
+        _curves[name]["points"] = True
     return name
 
 
 def figure(name, title, panels, caption=""):
     """A figure of one or more panels, each a dict with `curves` and, as wanted, `title`, `x` and `y` (labels),
-    `x_unit` and `y_unit` (to draw in; default: those of the first curve), `x_scale`, `y_scale` (linear or log) and
-    `marks` (dicts of axis, value in SI, label).
+    `x_unit` and `y_unit` (to draw in; default: those of the first curve), `x_scale`, `y_scale` (linear or log), `marks`
+    (dicts of axis, value in SI, label) and `y_names` ({ordinate: name}, for ordinates that stand for things).
     """
     if any(name == other["name"] for other in _figures):
         raise ValueError("figure '%s' is defined twice" % name)
@@ -140,12 +185,24 @@ def figure(name, title, panels, caption=""):
     )
 
 
+def table(name, title, columns, rows, caption=""):
+    """A table of the report: `rows` hold one text or number for each of the columns."""
+    _check_name(name, "table")
+    if any(name == other["name"] for other in _tables):
+        raise ValueError("table '%s' is defined twice" % name)
+    rows = [[cell if isinstance(cell, str) else "%.4g" % cell for cell in row] for row in rows]
+    for row in rows:
+        if len(row) != len(columns):
+            raise ValueError("table '%s': a row of %d cells for %d columns" % (name, len(row), len(columns)))
+    _tables.append({"name": name, "title": title, "caption": caption, "columns": list(columns), "rows": rows})
+
+
 def finish():
     """Writes the curves' CSV files and, last, analysis.json."""
     # Everything is put into text first: a value that cannot be written must not leave half a result.
     files = {entry["file"]: _csv(entry) for entry in _curves.values()}
     files["analysis.json"] = json.dumps(
-        {"format": FORMAT, "quantities": _quantities, "curves": _curves, "figures": _figures},
+        {"format": FORMAT, "quantities": _quantities, "curves": _curves, "figures": _figures, "tables": _tables},
         indent=1,
         allow_nan=False,
         ensure_ascii=False,
@@ -158,7 +215,7 @@ def finish():
 
 
 def _panel(figure_name, panel):
-    known = {"title", "x", "y", "x_unit", "y_unit", "x_scale", "y_scale", "curves", "marks"}
+    known = {"title", "x", "y", "x_unit", "y_unit", "x_scale", "y_scale", "curves", "marks", "y_names"}
     unknown = sorted(set(panel) - known)
     if unknown:
         raise ValueError("figure '%s': a panel has no '%s'; it has %s" % (figure_name, unknown[0], sorted(known)))
@@ -174,6 +231,7 @@ def _panel(figure_name, panel):
     marks = [
         {"axis": mark["axis"], "value": float(mark["value"]), "label": mark["label"]} for mark in panel.get("marks", [])
     ]
+    names = [{"value": float(value), "name": str(name)} for value, name in panel.get("y_names", {}).items()]
     return {
         "title": panel.get("title", ""),
         "x_label": panel.get("x", first["x"]["name"]),
@@ -184,6 +242,7 @@ def _panel(figure_name, panel):
         "y_scale": panel.get("y_scale", "linear"),
         "curves": list(panel["curves"]),
         "marks": marks,
+        "y_names": names,
     }
 
 

@@ -4,8 +4,10 @@ FIGURES.json is written by the report room, checked and in the units to be drawn
 
     {"figures": [{"name", "title", "columns",
                   "panels": [{"title", "x_label", "y_label", "x_scale", "y_scale",
-                              "curves": [{"kind", "label", "x": [..], "y": [..], "error": [..]}],
-                              "marks": [{"axis": "x" or "y", "value", "label"}]}]}]}
+                              "curves": [{"kind", "label", "x": [..], "y": [..], "x_error": [..],
+                                          "error": [..], "points": true or false}],
+                              "marks": [{"axis": "x" or "y", "value", "label"}],
+                              "y_names": [{"value", "name"}]}]}]}
 
 Labels are complete ("velocity (mm/s)") and plain text, never markup. null is a gap. The kind of a curve decides its
 style: computed, analytic, published, measured. The SVG takes its colours from CSS variables that it defines itself for
@@ -122,13 +124,17 @@ def styles_of(figure):
 def draw_curve(axes, curve, style):
     x, y = numbers(curve["x"]), numbers(curve["y"])
     style = dict(style)
-    if len(x) > FEW and style["linewidth"] > 0:
+    if curve.get("points"):
+        style.update(linewidth=0, marker=style.get("marker") or "o")
+        style.pop("dashes", None)
+    elif len(x) > FEW and style["linewidth"] > 0:
         style.pop("marker", None)  # a long line needs no markers
     elif len(x) > FEW and style["linewidth"] == 0:
         style.update(marker=None, linewidth=1.2)  # many points, as digitised from a plot, are a line
-    if curve.get("error"):
-        axes.errorbar(x, y, yerr=numbers(curve["error"]), fmt="none", ecolor=style["color"], elinewidth=0.9,
-                      capsize=2, zorder=style["zorder"] - 0.5)
+    if curve.get("error") or curve.get("x_error"):
+        axes.errorbar(x, y, yerr=numbers(curve.get("error") or []) or None,
+                      xerr=numbers(curve.get("x_error") or []) or None, fmt="none", ecolor=style["color"],
+                      elinewidth=0.9, capsize=2, zorder=style["zorder"] - 0.5)
     line, = axes.plot(x, y, **style)
     return line
 
@@ -169,7 +175,10 @@ def draw_panel(axes, panel, styles, legend):
     axes.grid(True)
     axes.margins(x=0.02, y=0.06)
     set_ticks(axes.xaxis, panel["x_scale"], 8)
-    set_ticks(axes.yaxis, panel["y_scale"], 6)
+    if panel.get("y_names"):
+        axes.set_yticks([item["value"] for item in panel["y_names"]], [item["name"] for item in panel["y_names"]])
+    else:
+        set_ticks(axes.yaxis, panel["y_scale"], 6)
     axes.set_xlabel(panel["x_label"])
     axes.set_ylabel(panel["y_label"], rotation_mode="anchor")
     axes.set_title(panel["title"], fontweight="bold", pad=8)
@@ -194,6 +203,8 @@ def draw(description):
     column_width = 7.2 if columns == 1 else 4.8
     width = columns * column_width
     left, right, below = 0.72, 0.14, 0.5 if rows == 1 else 0.62  # around a panel's axes, for numbers and labels
+    names = [item["name"] for panel in panels for item in panel.get("y_names", [])]
+    left = max([left] + [0.5 + 0.075 * len(name) for name in names])
     above = 0.3 if any(panel["title"] for panel in panels) else 0.2
     axes_height = 3.6 if columns == 1 else 3.0
 
