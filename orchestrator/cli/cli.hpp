@@ -34,6 +34,7 @@ void add_check(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
 void add_status(CLI::App& app, Session& session);
+void add_bench(CLI::App& app, Session& session);
 void add_doctor(CLI::App& app, Session& session);
 void add_setup(CLI::App& app, Session& session);
 void add_test(CLI::App& app, Session& session);

@@ -16,8 +16,6 @@ namespace sandglass::participant {
 namespace {
 
 constexpr const char* kProtocol = "1";
-/// How often to look for an answer before going to sleep: waking up costs more than a short wait.
-constexpr int kLooks = 100;
 constexpr size_t kLongestLine = 65536;
 constexpr size_t kMostNotes = 1000;
 
@@ -253,20 +251,18 @@ std::string Participant::hear() {
   const SystemClock clock;
   const double end = clock.now() + description_.deadline;
   bool open = true;
-  for (int looks = 0;;) {
+  for (;;) {
     if (auto answer = next_answer()) return *std::move(answer);
     if (unread_.size() > kLongestLine) throw failure("sent a line without end");
-    if (open && looks++ < kLooks) {
-      open = child_->read_replies(unread_);
-      continue;
-    }
     // However much it talks: the deadline is for the answer.
     const double left = end - clock.now();
     const Watch::Outcome outcome = left > 0
                                        ? watch_.wait(open ? child_->reply_descriptor() : -1, left)
                                        : Watch::Outcome{Watch::Event::late, nullptr};
-    looks = kLooks - 1;
-    if (outcome.event == Watch::Event::ready) continue;
+    if (outcome.event == Watch::Event::ready) {
+      open = child_->read_replies(unread_);
+      continue;
+    }
     if (outcome.event == Watch::Event::late) {
       throw failure(asked_.empty() ? fmt::format("did not get ready within its deadline of {} s",
                                                  description_.deadline)

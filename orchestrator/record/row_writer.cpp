@@ -18,8 +18,9 @@ namespace {
 
 /// How long rows gather: short for whoever watches the file, long against a write.
 constexpr std::chrono::microseconds kGather{1000};
-/// What may wait to be written before the caller does.
-constexpr std::size_t kMostBytes = 64U << 20U;
+/// What may wait to be written before the caller does: more would not stay in the processor's
+/// cache.
+constexpr std::size_t kMostBytes = 8U << 20U;
 constexpr int kMostParts = 256;  // of one call; the system takes 1024
 
 }  // namespace

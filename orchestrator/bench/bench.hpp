@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "run/home.hpp"
+
+/// Measurements of the orchestrator itself, with real participants and the real engine. Every
+/// figure is a median over many windows behind a warm-up; the machine need not be quiet, but the
+/// spread tells when it was not.
+namespace sandglass::bench {
+
+/// Seconds: the median, and between what a tenth and nine tenths of the samples lie.
+struct Spread {
+  double median = 0;
+  double low = 0;
+  double high = 0;
+  std::size_t samples = 0;
+};
+Spread spread_of(std::vector<double> seconds);
+
+/// One window of two resident Python programs that send back what they receive
+/// (templates/bench/pair.yaml): two round trips, one field each way.
+struct PairOptions {
+  std::int64_t values = 10;    ///< doubles in each field
+  std::int64_t windows = 200;  ///< measured, after a warm-up
+  bool recorded = false;       ///< both fields go into the record
+  bool watched = true;         ///< by the stability watch
+};
+Spread pair_window(const run::Home& home, const std::string& folder, const PairOptions& options);
+
+/// The same two round trips of so many doubles through bare pipes to one Python program: the
+/// cheapest thing possible, to compare with.
+Spread pipe_window(const run::Home& home, const std::string& folder, std::int64_t values,
+                   std::int64_t windows);
+
+/// Bytes per second, in rows of two fields of `values` doubles.
+struct WriteRates {
+  double record = 0;  ///< from the first row handed over until the last is in the file
+  double plain = 0;   ///< the same bytes appended to a file, and nothing else
+};
+/// The best of several of each, in turn: what the machine can do when others leave it alone.
+WriteRates write_rates(const std::string& folder, std::int64_t values, std::int64_t windows);
+
+/// Windows of the settling sphere (workflows/icy_stokes_sphere.yaml).
+struct SphereTimes {
+  double start = 0;  ///< s, from nothing to the end of the first window
+  Spread window;     ///< the ones behind it
+};
+SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
+                   std::int64_t windows);
+
+/// The same sphere coupled as ICY does (templates/bench/polling.py), which looks for its result
+/// every `interval` seconds.
+Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,
+                     double interval);
+
+}  // namespace sandglass::bench

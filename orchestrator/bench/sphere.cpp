@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "base/file.hpp"
+#include "bench/bench.hpp"
+#include "bench/loaded.hpp"
+#include "process/process.hpp"
+
+namespace sandglass::bench {
+
+SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
+                   std::int64_t windows) {
+  workflow::Workflow scene = loaded(home, home.root + "/workflows/icy_stokes_sphere.yaml",
+                                    {{"process", fresh ? "fresh" : "resident"}});
+  scene.coupling->windows = windows + 1;
+  const WindowEnds measured = window_ends(home, scene, folder);
+  return {measured.ends.at(0) - measured.begin, spread_of(differences(measured.ends))};
+}
+
+Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,
+                     double interval) {
+  Command command;
+  command.arguments = {"/usr/bin/python3", home.templates() + "/bench/polling.py",
+                       fmt::format("{}", windows), fmt::format("{}", interval)};
+  command.directory = folder + "/polling";
+  command.log = folder + "/polling.log";
+  make_directories(command.directory);
+  constexpr double deadline = 600;
+  run_to_end("the stand-in for ICY", command, deadline);
+  std::istringstream lines(read_file(command.log));
+  std::vector<double> seconds;
+  for (double one = 0; lines >> one;) seconds.push_back(one);
+  return spread_of(std::move(seconds));
+}
+
+}  // namespace sandglass::bench

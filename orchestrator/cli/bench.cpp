@@ -1,0 +1,174 @@
+#include "bench/bench.hpp"
+
+#include <fmt/format.h>
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): getloadavg, mkdtemp
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "base/file.hpp"
+#include "cli/cli.hpp"
+#include "process/interrupt.hpp"
+#include "record/provenance.hpp"
+
+namespace sandglass::cli {
+namespace {
+
+struct Options {
+  std::string folder;
+  bool short_one = false;
+  std::vector<std::string> parts;  ///< none: all
+
+  [[nodiscard]] bool wants(const std::string& part) const {
+    return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();
+  }
+};
+
+/// A folder of its own below another, gone at the end.
+class Scratch {
+ public:
+  explicit Scratch(const std::string& below) : path_(below + "/sandglass-bench-XXXXXX") {
+    if (::mkdtemp(path_.data()) == nullptr) throw_system_error("make a folder in", below, errno);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// What issue and README promise of the coupling overhead, in s per window.
+struct Promise {
+  std::int64_t values;
+  std::int64_t windows;
+  double without_record;
+  double record_adds;  ///< 0: nothing promised
+};
+constexpr std::array<Promise, 3> kPromises = {
+    {{10, 5000, 30e-6, 10e-6}, {1000, 5000, 45e-6, 20e-6}, {100'000, 400, 800e-6, 0}}};
+constexpr double kRecordRate = 1e9;   // bytes/s
+constexpr double kAgainstIcy = 5000;  // times
+constexpr double kInterval = 0.1;     // s between two looks of the stand-in for ICY
+
+std::string microseconds(const bench::Spread& spread) {
+  return fmt::format("{:9.1f} [{:.1f} to {:.1f}]", 1e6 * spread.median, 1e6 * spread.low,
+                     1e6 * spread.high);
+}
+
+const char* verdict(bool kept) { return kept ? "kept" : "MISSED"; }
+
+std::string load() {
+  std::array<double, 3> average{};
+  return ::getloadavg(average.data(), 3) == 3 ? fmt::format("{:.2f}", average[0]) : "unknown";
+}
+
+void show_machine(const std::string& folder) {
+  const nlohmann::json machine = record::describe_machine();
+  fmt::print("{}, {} cores, {:.0f} GB, {}\n", machine.at("processor").get<std::string>(),
+             machine.at("cores").get<int>(), machine.at("memory_bytes").get<double>() / 1e9,
+             machine.at("system").get<std::string>());
+  fmt::print("load {} at the begin; files below {}\n", load(), folder);
+  fmt::print("Medians, and in brackets where eight tenths of the windows lie.\n");
+}
+
+void show_exchange(const run::Home& home, const std::string& folder, std::int64_t divisor) {
+  fmt::print("\nTwo resident Python programs, one field each way: us per window\n");
+  for (const Promise& promise : kPromises) {
+    const std::int64_t windows = promise.windows / divisor;
+    bench::PairOptions pair{promise.values, windows, false, true};
+    const bench::Spread bare = bench::pair_window(home, folder, pair);
+    pair.watched = false;
+    const bench::Spread unwatched = bench::pair_window(home, folder, pair);
+    pair.watched = true;
+    pair.recorded = true;
+    const bench::Spread recorded = bench::pair_window(home, folder, pair);
+    const bench::Spread pipe = bench::pipe_window(home, folder, promise.values, windows);
+    const double adds = recorded.median - bare.median;
+    fmt::print("{} doubles, {} windows\n", promise.values, windows);
+    fmt::print("  without record    {}, at most {:.0f}: {}\n", microseconds(bare),
+               1e6 * promise.without_record, verdict(bare.median <= promise.without_record));
+    fmt::print("  with record       {}, adds {:.1f}", microseconds(recorded), 1e6 * adds);
+    if (promise.record_adds > 0) {
+      fmt::print(", at most {:.0f}: {}", 1e6 * promise.record_adds,
+                 verdict(adds <= promise.record_adds));
+    }
+    fmt::print("\n  no stability watch{}\n", microseconds(unwatched));
+    fmt::print("  bare pipe         {}, the window is {:.2f} times as long\n", microseconds(pipe),
+               bare.median / pipe.median);
+    std::fflush(stdout);
+  }
+}
+
+void show_record(const std::string& folder, std::int64_t divisor) {
+  constexpr std::int64_t values = 100'000;
+  const bench::WriteRates rates = bench::write_rates(folder, values, 400 / divisor);
+  fmt::print(
+      "\nRecord, rows of two fields of {} doubles, best of three: {:.2f} GB/s, at least {:.0f}: "
+      "{}\n  plain writing of the same bytes: {:.2f} GB/s\n",
+      values, 1e-9 * rates.record, 1e-9 * kRecordRate, verdict(rates.record >= kRecordRate),
+      1e-9 * rates.plain);
+}
+
+void show_sphere(const run::Home& home, const std::string& folder, std::int64_t divisor) {
+  fmt::print("\nThe settling sphere, YADE and FreeFEM: per window\n");
+  const bench::SphereTimes resident = bench::sphere(home, folder, false, 4000 / divisor);
+  fmt::print("  resident      {:12.1f} us [{:.1f} to {:.1f}]\n", 1e6 * resident.window.median,
+             1e6 * resident.window.low, 1e6 * resident.window.high);
+  std::fflush(stdout);
+  const auto slower = [&](const char* name, const bench::Spread& spread) {
+    const double times = spread.median / resident.window.median;
+    fmt::print("  {:14}{:12.0f} us [{:.0f} to {:.0f}], {:.0f} times resident", name,
+               1e6 * spread.median, 1e6 * spread.low, 1e6 * spread.high, times);
+    return times;
+  };
+  slower("fresh", bench::sphere(home, folder, true, 6 / divisor + 2).window);
+  fmt::print("\n");
+  std::fflush(stdout);
+  const double times =
+      slower("ICY's scheme", bench::polled_sphere(home, folder, 6 / divisor + 2, kInterval));
+  fmt::print(", at least {:.0f}: {}\n", kAgainstIcy, verdict(times >= kAgainstIcy));
+  fmt::print("  start to the end of the first window: {:.2f} s\n", resident.start);
+}
+
+ExitCode execute(const Options& options) {
+  Interrupt::install();
+  const run::Home home = run::Home::find();
+  const Scratch scratch(options.folder.empty()
+                            ? std::filesystem::temp_directory_path().string()
+                            : std::filesystem::absolute(options.folder).string());
+  const std::int64_t divisor = options.short_one ? 10 : 1;
+  show_machine(std::filesystem::path(scratch.path()).parent_path().string());
+  if (options.wants("exchange")) show_exchange(home, scratch.path(), divisor);
+  if (options.wants("record")) show_record(scratch.path(), divisor);
+  if (options.wants("sphere")) show_sphere(home, scratch.path(), divisor);
+  fmt::print("\nload {} at the end\n", load());
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "bench", "measure what the orchestrator itself costs",
+                            "  sandglass bench\n"
+                            "  sandglass bench exchange record\n"
+                            "  sandglass bench --short --folder /dev/shm");
+  verb->add_option("part", options->parts, "exchange, record, sphere (default: all)")
+      ->type_name("PART")
+      ->check(CLI::IsMember({"exchange", "record", "sphere"}));
+  verb->add_option("--folder", options->folder,
+                   "the disk to measure with (default: the folder of temporary files)")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
+  verb->add_flag("--short", options->short_one, "a tenth of the windows: to see that it works");
+  verb->callback([&session, options] { session.action = [options] { return execute(*options); }; });
+}
+
+}  // namespace sandglass::cli
