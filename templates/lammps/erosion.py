@@ -1,0 +1,82 @@
+# The coarse-grid erosion test (ICY, section 4) by LAMMPS: as yade/erosion.py, with the same contact law, damping and step.
+# This is the set-up; erosion_window.py is one window. Every rank executes both.
+import h5py
+
+from sandglass_column import Column, WATER_WEIGHT, loose_places
+
+young, poisson, friction_angle = {{young}}, {{poisson}}, {{friction_angle}}  # Pa, 1, rad
+density, density_scaling = {{density}}, {{density_scaling}}                  # kg/m3, 1
+gravity, fluid_density = {{gravity}}, {{fluid_density}}                      # m/s2, kg/m3
+damping = {{damping}}
+section, periodic = {{section}}, {{sides}} == 'periodic'                     # m
+coarse_diameter, fine_diameter = {{coarse_diameter}}, {{fine_diameter}}      # m
+hole, hole_pitch = {{hole}}, {{hole_pitch}}                                  # m
+skin, catch_depth, catch_steps = {{skin}}, {{catch_depth}}, 200              # m, m, steps
+
+{{> lammps/erosion_box.py}}
+
+with h5py.File({{specimen}}, 'r', locking=False) as file:
+    radii = file['radius'][...]
+    start = [file[name][...] for name in ('position', 'velocity', 'spin')]
+is_fine = radii < fine_diameter
+if is_fine[: numpy.count_nonzero(~is_fine)].any():
+    raise ValueError('the coarse beads are not the first ones of the specimen')
+time_step = {{time_step_factor}} * fine_diameter / 2 * math.sqrt(density * density_scaling / young)  # YADE's PWaveTimeStep
+window_steps = math.ceil({{exchange_window}} / time_step)
+
+make_box(start[0][:, 2].max() + 0.05)
+for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
+    place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
+place_plate()
+set_laws()
+set_motion()
+commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
+numbers = numpy.arange(1, len(radii) + 1)
+moving, aside, fines_group = (1 << lmp.available_ids('group').index(name) for name in ('moving', 'aside', 'fines'))
+{{#drag_follows.place}}
+refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window}} / window_steps)))
+{{/drag_follows.place}}
+
+{{> python/erosion_flow.py}}
+
+
+def beads(name):
+    """An array of all beads in the order of the specimen, on every rank."""
+    return gather(name)[: len(radii)]
+
+
+def is_aside():
+    return (beads('mask') & aside) != 0
+
+
+def apply_drag():
+    force, total = drag_of(beads('x')[:, 2], pressure_difference, fine_gradient)
+    put('d_drag', numbers, -force * density_scaling)
+    return total
+
+
+# As in YADE: each at a place of its own far below, out of all groups that anything is done to.
+def put_aside():
+    position, mask = local('x'), local('mask')
+    below = (position[:, 2] < -catch_depth) & (local('type') == FINE) & ((mask & aside) == 0)
+    fallen = position[below].copy()
+    spacing = 1.1 * fine_diameter
+    per_side = int(section / spacing)
+    layer, site = numpy.divmod(local('id')[below], per_side**2)
+    position[below] = numpy.column_stack(((site % per_side + 0.5) * spacing, (site // per_side + 0.5) * spacing,
+                                          -10 * catch_depth - layer * spacing))
+    local('v')[below] = local('omega')[below] = 0
+    mask[below] = mask[below] & ~moving & ~fines_group | aside
+    return numpy.concatenate(comm.allgather(fallen))
+
+
+# Fallen beads go on top of the fine layer, in places of their own, at rest.
+def put_back(window):
+    away = is_aside()
+    top = beads('x')[~away, 2].max() + fine_diameter / 2
+    random = numpy.random.default_rng([{{seed}}, window])
+    places = loose_places(numpy.count_nonzero(away), fine_diameter / 2, section, top, {{cloud_porosity}}, random)
+    put('x', numbers[away], places)
+    mask = local('mask')
+    back = (mask & aside) != 0
+    mask[back] = mask[back] & ~aside | moving | fines_group
