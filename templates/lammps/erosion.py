@@ -27,12 +27,11 @@ window_steps = math.ceil({{exchange_window}} / time_step)
 make_box(start[0][:, 2].max() + 0.05)
 for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
     place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
-place_plate()
 set_laws()
 set_motion()
 commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
 numbers = numpy.arange(1, len(radii) + 1)
-moving, aside, fines_group = (1 << lmp.available_ids('group').index(name) for name in ('moving', 'aside', 'fines'))
+moving, aside, fines_group = map(group_bit, ('moving', 'aside', 'fines'))
 {{#drag_follows.place}}
 refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window}} / window_steps)))
 {{/drag_follows.place}}

@@ -5,13 +5,12 @@ import math
 
 import numpy
 
-FINE, COARSE, PLATE = 1, 2, 3
+FINE, COARSE = 1, 2
 sizes = {FINE: fine_diameter / 2, COARSE: coarse_diameter / 2}  # radii, m
-plate_radius = (hole_pitch - hole) / 2
 
 
 def stiffness(one, other):
-    """YADE's normal stiffness of a contact, 2 E r r' / (r + r'), N/m. A plane has the bead's own radius; so has a bar."""
+    """YADE's normal stiffness of a contact, 2 E r r' / (r + r'), N/m. A plane has the bead's own radius, a facet twice that."""
     return 2 * young * one * other / (one + other)
 
 
@@ -34,7 +33,7 @@ def make_box(top):
     commands('units si', 'atom_style sphere', 'boundary %s %s f' % (side, side), 'newton off',
              'atom_modify map array sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes', 'processors * 1 1',
              'region box block 0 %.17g 0 %.17g %.17g %.17g units box' % (section, section, -40 * catch_depth, top),
-             'create_box 3 box')
+             'create_box 2 box')
 
 
 def place(kind, positions, radius, velocity=None, spin=None):
@@ -68,28 +67,45 @@ def gather(name):
     return numpy.concatenate([part[1] for part in parts])[numpy.argsort(numbers)]
 
 
-# Bars without thickness are rows of beads that do not move, of the bars' width, with their tops at the height 0.
-def place_plate():
-    n = round(section / hole_pitch)
-    along = numpy.linspace(0, section, 2 * round(section / (2 * plate_radius)) + 1)[0 if not periodic else 1:]
-    across = numpy.linspace(0, section, n + 1)[0 if not periodic else 1:]
-    inside = lambda x: numpy.clip(x, 1e-9 * section, (1 - 1e-9) * section)
-    points = {(round(x, 9), round(y, 9)) for x in across for y in along} | {(round(x, 9), round(y, 9)) for x in along for y in across}
-    points = numpy.array(sorted(points))
-    place(PLATE, numpy.column_stack((inside(points), numpy.full(len(points), -plate_radius))), plate_radius)
-
-
 def set_laws():
-    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE), (FINE, PLATE), (COARSE, PLATE)]
-    # A bar stands for a facet, to which YADE gives twice the bead's radius.
-    normal = [stiffness(sizes[a], 2 * sizes[a] if b == PLATE else sizes[b]) for a, b in pairs]
-    commands('pair_style hybrid ' + ' '.join(map(pair_law, normal)),
-             *('pair_coeff %d %d gran/hooke/history %d' % (min(pair), max(pair), number + 1) for number, pair in enumerate(pairs)),
-             'pair_coeff 3 3 gran/hooke/history 4',
-             'neigh_modify delay 0 every 1 check yes one 4000 page 100000',
-             'neigh_modify collection/type 2 1,3 2', 'neigh_modify exclude type 3 3',
+    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE)]
+    commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in pairs),
+             *('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(pairs)),
+             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2',
              'group fines type 1', 'group coarse type 2', 'group moving type 1 2', 'group aside empty',
              'neigh_modify exclude group aside all')
+
+
+# The plate: bars both ways, flat, with their tops at the height 0. Only beads near them are looked at.
+def set_plate():
+    width, depth = hole_pitch - hole, fine_diameter / 2
+    names = []
+    for along in 'xy':
+        for number in range(round(section / hole_pitch) + 1):
+            low = max(0, number * hole_pitch - width / 2)
+            high = min(section, number * hole_pitch + width / 2)
+            across = '%.17g %.17g' % (low, high)
+            # Of two faces at one height, where bars cross, LAMMPS would drop both: the second bars lie a nanometre lower.
+            faces = ('0 %.17g %s' % (section, across) if along == 'x' else '%s 0 %.17g' % (across, section),
+                     '%.17g %.17g' % (-depth, 0 if along == 'x' else -1e-9))
+            names.append('bar_%s%d' % (along, number))
+            commands('region %s block %s %s units box' % (names[-1], *faces))
+    commands('region plate union %d %s' % (len(names), ' '.join(names)))
+    for group, kind in (('fines', FINE), ('coarse', COARSE)):
+        commands('group near_%s empty' % group, 'fix plate_%s near_%s wall/gran/region %s region plate'
+                 % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))
+
+
+# Anew before any bead that was too far away can have come near: a bead falls 2 mm in 20 ms from rest.
+def find_near():
+    mask, height, kind = local('mask'), local('x')[:, 2], local('type')
+    for name, which in (('near_fines', FINE), ('near_coarse', COARSE)):
+        near = (kind == which) & (abs(height) < sizes[which] + 2e-3)
+        mask[:] = mask & ~group_bit(name) | numpy.where(near, group_bit(name), 0)
+
+
+def group_bit(name):
+    return 1 << lmp.available_ids('group').index(name)
 
 
 # The order matters: damping acts on the sum of what stands before it, as in YADE.
@@ -101,5 +117,6 @@ def set_motion():
             wall = wall_law(stiffness(sizes[kind], sizes[kind]))
             commands('fix x_%s %s wall/gran %s xplane 0 %.17g' % (group, group, wall, section),
                      'fix y_%s %s wall/gran %s yplane 0 %.17g' % (group, group, wall, section))
+    set_plate()
     commands('fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag',
              'fix damping moving damping/cundall %.17g %.17g' % (damping, damping))
