@@ -1,6 +1,7 @@
 # The coarse-grid erosion test (ICY, section 4) by LAMMPS: as yade/erosion.py, with the same contact law, damping and step.
 # This is the set-up; erosion_window.py is one window. Every rank executes both.
 import h5py
+import numpy
 
 from sandglass_column import Column, WATER_WEIGHT, loose_places
 
@@ -27,11 +28,11 @@ window_steps = math.ceil({{exchange_window}} / time_step)
 make_box(start[0][:, 2].max() + 0.05)
 for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
     place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
+place_plate()
 set_laws()
 set_motion()
 commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
 numbers = numpy.arange(1, len(radii) + 1)
-moving, aside, fines_group = map(group_bit, ('moving', 'aside', 'fines'))
 {{#drag_follows.place}}
 refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window}} / window_steps)))
 {{/drag_follows.place}}
@@ -39,34 +40,10 @@ refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window
 {{> python/erosion_flow.py}}
 
 
-def beads(name):
-    """An array of all beads in the order of the specimen, on every rank."""
-    return gather(name)[: len(radii)]
-
-
-def is_aside():
-    return (beads('mask') & aside) != 0
-
-
 def apply_drag():
     force, total = drag_of(beads('x')[:, 2], pressure_difference, fine_gradient)
     put('d_drag', numbers, -force * density_scaling)
     return total
-
-
-# As in YADE: each at a place of its own far below, out of all groups that anything is done to.
-def put_aside():
-    position, mask = local('x'), local('mask')
-    below = (position[:, 2] < -catch_depth) & (local('type') == FINE) & ((mask & aside) == 0)
-    fallen = position[below].copy()
-    spacing = 1.1 * fine_diameter
-    per_side = int(section / spacing)
-    layer, site = numpy.divmod(local('id')[below], per_side**2)
-    position[below] = numpy.column_stack(((site % per_side + 0.5) * spacing, (site // per_side + 0.5) * spacing,
-                                          -10 * catch_depth - layer * spacing))
-    local('v')[below] = local('omega')[below] = 0
-    mask[below] = mask[below] & ~moving & ~fines_group | aside
-    return numpy.concatenate(comm.allgather(fallen))
 
 
 # Fallen beads go on top of the fine layer, in places of their own, at rest.
@@ -77,5 +54,5 @@ def put_back(window):
     places = loose_places(numpy.count_nonzero(away), fine_diameter / 2, section, top, {{cloud_porosity}}, random)
     put('x', numbers[away], places)
     mask = local('mask')
-    back = (mask & aside) != 0
-    mask[back] = mask[back] & ~aside | moving | fines_group
+    back = (mask & group_bit('aside')) != 0
+    mask[back] = mask[back] & ~group_bit('aside') | group_bit('moving') | group_bit('fines')

@@ -5,7 +5,7 @@ import math
 
 import numpy
 
-FINE, COARSE = 1, 2
+FINE, COARSE, PLATE = 1, 2, 3
 sizes = {FINE: fine_diameter / 2, COARSE: coarse_diameter / 2}  # radii, m
 
 
@@ -33,7 +33,7 @@ def make_box(top):
     commands('units si', 'atom_style sphere', 'boundary %s %s f' % (side, side), 'newton off',
              'atom_modify map array sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes', 'processors * 1 1',
              'region box block 0 %.17g 0 %.17g %.17g %.17g units box' % (section, section, -40 * catch_depth, top),
-             'create_box 2 box')
+             'create_box 3 box')
 
 
 def place(kind, positions, radius, velocity=None, spin=None):
@@ -68,44 +68,55 @@ def gather(name):
 
 
 def set_laws():
-    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE)]
-    commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in pairs),
+    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE), (FINE, PLATE), (COARSE, PLATE), (PLATE, PLATE)]
+    # To a facet, for which the plate's beads stand, YADE gives twice the bead's radius.
+    normal = [stiffness(sizes.get(a, 1), 2 * sizes.get(a, 1) if b == PLATE else sizes[b]) for a, b in pairs]
+    commands('pair_style hybrid ' + ' '.join(map(pair_law, normal)),
              *('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(pairs)),
-             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2',
+             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1,3 2', 'neigh_modify exclude type 3 3',
              'group fines type 1', 'group coarse type 2', 'group moving type 1 2', 'group aside empty',
              'neigh_modify exclude group aside all')
 
 
-# The plate: bars both ways, flat, with their tops at the height 0. Only beads near them are looked at.
-def set_plate():
-    width, depth = hole_pitch - hole, fine_diameter / 2
-    names = []
-    for along in 'xy':
-        for number in range(round(section / hole_pitch) + 1):
-            low = max(0, number * hole_pitch - width / 2)
-            high = min(section, number * hole_pitch + width / 2)
-            across = '%.17g %.17g' % (low, high)
-            # Of two faces at one height, where bars cross, LAMMPS would drop both: the second bars lie a nanometre lower.
-            faces = ('0 %.17g %s' % (section, across) if along == 'x' else '%s 0 %.17g' % (across, section),
-                     '%.17g %.17g' % (-depth, 0 if along == 'x' else -1e-9))
-            names.append('bar_%s%d' % (along, number))
-            commands('region %s block %s %s units box' % (names[-1], *faces))
-    commands('region plate union %d %s' % (len(names), ' '.join(names)))
-    for group, kind in (('fines', FINE), ('coarse', COARSE)):
-        commands('group near_%s empty' % group, 'fix plate_%s near_%s wall/gran/region %s region plate'
-                 % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))
-
-
-# Anew before any bead that was too far away can have come near: a bead falls 2 mm in 20 ms from rest.
-def find_near():
-    mask, height, kind = local('mask'), local('x')[:, 2], local('type')
-    for name, which in (('near_fines', FINE), ('near_coarse', COARSE)):
-        near = (kind == which) & (abs(height) < sizes[which] + 2e-3)
-        mask[:] = mask & ~group_bit(name) | numpy.where(near, group_bit(name), 0)
+# The plate: bars both ways, with their tops at the height 0, of beads that do not move. Four rows to a bar, so close that
+# a fine bead feels it as flat, nearly: single rows of the bars' width let a third more beads through.
+def place_plate():
+    width = hole_pitch - hole
+    radius = width / 4
+    rows = numpy.add.outer(numpy.arange(round(section / hole_pitch) + 1) * hole_pitch, numpy.linspace(-radius, radius, 4)).ravel()
+    rows = rows[(rows > 0) & (rows < section)]
+    along = numpy.linspace(0, section, round(section / (width / 6)) + 1)[1:-1]
+    points = {(round(x, 9), round(y, 9)) for x in rows for y in along}
+    points = numpy.array(sorted(points | {(y, x) for x, y in points}))
+    place(PLATE, numpy.column_stack((points, numpy.full(len(points), -radius))), radius)
 
 
 def group_bit(name):
     return 1 << lmp.available_ids('group').index(name)
+
+
+# As in YADE: each at a place of its own far below, out of all groups that anything is done to.
+def put_aside():
+    position, mask = local('x'), local('mask')
+    below = (position[:, 2] < -catch_depth) & (local('type') == FINE) & ((mask & group_bit('aside')) == 0)
+    fallen = position[below].copy()
+    spacing = 1.1 * fine_diameter
+    per_side = int(section / spacing)
+    layer, site = numpy.divmod(local('id')[below], per_side**2)
+    position[below] = numpy.column_stack(((site % per_side + 0.5) * spacing, (site // per_side + 0.5) * spacing,
+                                          -10 * catch_depth - layer * spacing))
+    local('v')[below] = local('omega')[below] = 0
+    mask[below] = mask[below] & ~group_bit('moving') & ~group_bit('fines') | group_bit('aside')
+    return numpy.concatenate(comm.allgather(fallen))
+
+
+def beads(name):
+    """An array of all beads but those of the plate, in the order of their numbers, on every rank."""
+    return gather(name)[gather('type') != PLATE]
+
+
+def is_aside():
+    return (beads('mask') & group_bit('aside')) != 0
 
 
 # The order matters: damping acts on the sum of what stands before it, as in YADE.
@@ -117,6 +128,9 @@ def set_motion():
             wall = wall_law(stiffness(sizes[kind], sizes[kind]))
             commands('fix x_%s %s wall/gran %s xplane 0 %.17g' % (group, group, wall, section),
                      'fix y_%s %s wall/gran %s yplane 0 %.17g' % (group, group, wall, section))
-    set_plate()
-    commands('fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag',
-             'fix damping moving damping/cundall %.17g %.17g' % (damping, damping))
+    commands('fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
+    set_damping()
+
+
+def set_damping():
+    commands('fix damping moving damping/cundall %.17g %.17g' % (damping, damping))

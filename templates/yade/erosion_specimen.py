@@ -7,7 +7,7 @@ young, poisson, friction_angle = {{young}}, {{poisson}}, {{friction_angle}}  # P
 density, density_scaling = {{density}}, {{density_scaling}}                  # kg/m3, 1
 gravity, fluid_density = {{gravity}}, {{fluid_density}}                      # m/s2, kg/m3
 damping = {{damping}}
-section, periodic = {{section}}, {{sides}} == 'periodic'  # m
+section, periodic = {{section}}, {{sides}} == 'periodic'                     # m
 coarse_diameter, fine_diameter = {{coarse_diameter}}, {{fine_diameter}}      # m
 coarse_beads, fine_beads = {{coarse_beads}}, {{fine_beads}}
 cloud_porosity, porosity, wall_speed = {{cloud_porosity}}, {{layer_porosity}}, {{wall_speed}}  # 1, 1, m/s
@@ -67,8 +67,8 @@ while layer_porosity(wall_height - wall_speed * (O.time - start)) > porosity:
         raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
                          % (layer_porosity(coarse_top), layer_base, porosity))
 wall_height -= wall_speed * (O.time - start)
-reached, closed = layer_porosity(wall_height), O.time
-lost_at_porosity = len(fallen_at)
+reached, closed, lost_at_porosity = layer_porosity(wall_height), O.time, len(fallen_at)
+preparation_time = closed - start
 if lid is not None:
     O.bodies.erase(lid)
 
@@ -77,28 +77,5 @@ while O.time < closed + resting_time:
     fallen.append((O.time - start, len(fallen_at)))
 
 kept = [O.bodies[number] for number in coarse_ids] + [bead for bead in fines() if not is_aside(bead)]
-x = numpy.array([bead.state.pos[0] for bead in kept[coarse_beads:]])
-y = numpy.array([bead.state.pos[1] for bead in kept[coarse_beads:]])
-z = numpy.array([bead.state.pos[2] for bead in kept[coarse_beads:]])
-near = numpy.minimum.reduce([x, section - x, y, section - y]) < 0.5e-3
-mass = math.pi / 6 * fine_diameter**3 * density
-fallen = numpy.array(fallen, dtype=float)
-last = fallen[:, 0] >= fallen[-1, 0] - 0.1  # s
-rate = (fallen[-1, 1] - fallen[last][0, 1]) * mass / max(fallen[-1, 0] - fallen[last][0, 0], O.dt)
-with h5py.File('specimen.h5', 'w') as file:
-    file['position'] = [tuple(bead.state.pos) for bead in kept]
-    file['velocity'] = [tuple(bead.state.vel) for bead in kept]
-    file['spin'] = [tuple(bead.state.angVel) for bead in kept]
-    file['radius'] = [bead.shape.radius for bead in kept]
-    file['fallen'] = fallen
-    for name, unit in (('position', 'm'), ('velocity', 'm/s'), ('spin', 'rad/s'), ('radius', 'm')):
-        file[name].attrs['unit'] = unit
-    file['fallen'].attrs['meaning'] = 'time since the fine beads were let go (s), beads fallen through until then'
-    for name, value in dict(
-            seed={{seed}}, section=section, density=density, coarse_top=coarse_top, wall_height=wall_height,
-            porosity_fine=reached, fines_lost=len(fallen_at), fines_lost_at_porosity=lost_at_porosity,
-            mass_per_fine=mass, fall_rate=rate, preparation_time=closed - start, resting_time=resting_time,
-            wall_share_in_coarse=near[z < coarse_top].mean() if (z < coarse_top).any() else 0.0).items():
-        file.attrs[name] = value
-print('%d coarse beads up to %.4g mm; %d fine ones, porosity %.4g; %d fell through in %.3g s, at the end %.3g g/s'
-      % (coarse_beads, coarse_top * 1e3, len(kept) - coarse_beads, reached, len(fallen_at), closed - start, rate * 1e3))
+position, velocity, spin = (numpy.array([tuple(getattr(bead.state, name)) for bead in kept]) for name in ('pos', 'vel', 'angVel'))
+{{> python/erosion_specimen_file.py}}

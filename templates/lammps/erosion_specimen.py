@@ -1,0 +1,86 @@
+# The specimen of the erosion test by LAMMPS, as yade/erosion_specimen.py makes it by YADE. Made: specimen.h5.
+import h5py
+import numpy
+
+from sandglass_column import Column, loose_places
+
+young, poisson, friction_angle = {{young}}, {{poisson}}, {{friction_angle}}  # Pa, 1, rad
+density, density_scaling = {{density}}, {{density_scaling}}                  # kg/m3, 1
+gravity, fluid_density = {{gravity}}, {{fluid_density}}                      # m/s2, kg/m3
+damping = {{damping}}
+section, periodic = {{section}}, {{sides}} == 'periodic'                     # m
+coarse_diameter, fine_diameter = {{coarse_diameter}}, {{fine_diameter}}      # m
+coarse_beads, fine_beads = {{coarse_beads}}, {{fine_beads}}
+cloud_porosity, porosity, wall_speed = {{cloud_porosity}}, {{layer_porosity}}, {{wall_speed}}  # 1, 1, m/s
+resting_time = {{resting_time}}                                              # s
+hole, hole_pitch = {{hole}}, {{hole_pitch}}                                  # m
+skin, catch_depth, catch_steps = {{skin}}, {{catch_depth}}, 200              # m, m, steps
+random = numpy.random.default_rng({{seed}})
+
+{{> lammps/erosion_box.py}}
+
+coarse_places = loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.8, random)
+make_box(coarse_places[:, 2].max() + 0.05)
+place(COARSE, coarse_places, coarse_diameter / 2)
+place_plate()
+set_laws()
+set_motion()
+commands('thermo_modify lost error')
+p_wave_time = math.sqrt(density * density_scaling / young)  # over a length of 1 m
+time = 0.0
+
+
+def run(steps):
+    global time
+    lmp.command('run %d post no' % steps)
+    time += steps * step
+
+
+# Coarse beads, until they rest.
+step = 0.5 * {{time_step_factor}} * coarse_diameter / 2 * p_wave_time  # a coarse bead rests on many of the plate's
+commands('timestep %.17g' % step)
+while time < 0.5 or abs(beads('v')).max() > 1e-3:
+    run(100)
+    if time > 20:
+        raise SystemExit('the coarse beads do not come to rest within 20 s')
+coarse_top = beads('x')[:, 2].max() + coarse_diameter / 2
+
+# Fine beads, below a wall that comes down.
+fine_places = loose_places(fine_beads, fine_diameter / 2, section, coarse_top, cloud_porosity, random)
+place(FINE, fine_places, fine_diameter / 2)
+commands('group fines type 1', 'group moving type 1')
+wall_height, layer_base = fine_places[:, 2].max() + fine_diameter / 2, coarse_top - coarse_diameter / 2
+radii = numpy.repeat([coarse_diameter / 2, fine_diameter / 2], [coarse_beads, fine_beads])
+step = {{time_step_factor}} * fine_diameter / 2 * p_wave_time
+commands('timestep %.17g' % step)
+commands('variable drop equal %.17g*(step-%d)*dt' % (-wall_speed, lmp.extract_global('ntimestep')),
+         'region lid plane 0 0 %.17g 0 0 -1 move NULL NULL v_drop units box' % wall_height,
+         'unfix damping', 'fix lid fines wall/gran/region %s region lid' % wall_law(stiffness(sizes[FINE], sizes[FINE])))
+set_damping()
+start, fallen = time, [(0.0, 0)]
+
+
+def layer_porosity(top):
+    return Column([layer_base, top], section**2, density).contents(beads('x')[:, 2], radii)[0][0]
+
+
+def go_on():
+    run(catch_steps)
+    put_aside()
+    fallen.append((time - start, numpy.count_nonzero(is_aside())))
+
+
+while layer_porosity(wall_height - wall_speed * (time - start)) > porosity:
+    go_on()
+    if wall_height - wall_speed * (time - start) < coarse_top:
+        raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
+                         % (layer_porosity(coarse_top), layer_base, porosity))
+wall_height -= wall_speed * (time - start)
+reached, preparation_time, lost_at_porosity = layer_porosity(wall_height), time - start, fallen[-1][1]
+lmp.command('unfix lid')
+while time < start + preparation_time + resting_time:
+    go_on()
+
+kept = ~is_aside()
+position, velocity, spin = (beads(name)[kept] for name in ('x', 'v', 'omega'))
+{{> python/erosion_specimen_file.py}}
