@@ -28,7 +28,6 @@ window_steps = math.ceil({{exchange_window}} / time_step)
 make_box(start[0][:, 2].max() + 0.05)
 for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
     place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
-place_plate()
 set_laws()
 set_motion()
 commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')

@@ -5,7 +5,7 @@ import math
 
 import numpy
 
-FINE, COARSE, PLATE = 1, 2, 3
+FINE, COARSE = 1, 2
 sizes = {FINE: fine_diameter / 2, COARSE: coarse_diameter / 2}  # radii, m
 
 
@@ -33,7 +33,7 @@ def make_box(top):
     commands('units si', 'atom_style sphere', 'boundary %s %s f' % (side, side), 'newton off',
              'atom_modify map array sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes', 'processors * 1 1',
              'region box block 0 %.17g 0 %.17g %.17g %.17g units box' % (section, section, -40 * catch_depth, top),
-             'create_box 3 box')
+             'create_box 2 box')
 
 
 def place(kind, positions, radius, velocity=None, spin=None):
@@ -60,7 +60,7 @@ def put(name, numbers, values):
     local(name)[found] = numpy.asarray(values)[order[at[found]]]
 
 
-def gather(name):
+def beads(name):
     """An array of all beads in the order of their numbers, on every rank."""
     parts = comm.allgather((local('id').copy(), local(name).copy()))
     numbers = numpy.concatenate([part[0] for part in parts])
@@ -68,27 +68,36 @@ def gather(name):
 
 
 def set_laws():
-    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE), (FINE, PLATE), (COARSE, PLATE), (PLATE, PLATE)]
-    # To a facet, for which the plate's beads stand, YADE gives twice the bead's radius.
-    normal = [stiffness(sizes.get(a, 1), 2 * sizes.get(a, 1) if b == PLATE else sizes[b]) for a, b in pairs]
-    commands('pair_style hybrid ' + ' '.join(map(pair_law, normal)),
+    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE)]
+    commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in pairs),
              *('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(pairs)),
-             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1,3 2', 'neigh_modify exclude type 3 3',
+             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2',
              'group fines type 1', 'group coarse type 2', 'group moving type 1 2', 'group aside empty',
              'neigh_modify exclude group aside all')
 
 
-# The plate: bars both ways, with their tops at the height 0, of beads that do not move. Four rows to a bar, so close that
-# a fine bead feels it as flat, nearly: single rows of the bars' width let a third more beads through.
-def place_plate():
-    width = hole_pitch - hole
-    radius = width / 4
-    rows = numpy.add.outer(numpy.arange(round(section / hole_pitch) + 1) * hole_pitch, numpy.linspace(-radius, radius, 4)).ravel()
-    rows = rows[(rows > 0) & (rows < section)]
-    along = numpy.linspace(0, section, round(section / (width / 6)) + 1)[1:-1]
-    points = {(round(x, 9), round(y, 9)) for x in rows for y in along}
-    points = numpy.array(sorted(points | {(y, x) for x, y in points}))
-    place(PLATE, numpy.column_stack((points, numpy.full(len(points), -radius))), radius)
+# The plate: bars both ways, flat, with their tops at the height 0. Beads may be where they are outside of all bars. Of the
+# fine ones only those near it are looked at.
+def set_plate():
+    width, names = hole_pitch - hole, []
+    for along in 'xy':
+        for middle in numpy.arange(round(section / hole_pitch) + 1) * hole_pitch:
+            across = '%.17g %.17g' % (max(0, middle - width / 2), min(section, middle + width / 2))
+            faces = ('0 %.17g %s' % (section, across)) if along == 'x' else ('%s 0 %.17g' % (across, section))
+            # Of two faces at one height, where bars cross, LAMMPS would drop both: the second bars lie a nanometre lower.
+            top = 0 if along == 'x' else -1e-9
+            names.append('bar%d' % len(names))
+            commands('region %s block %s %.17g %.17g side out units box' % (names[-1], faces, -fine_diameter / 2, top))
+    commands('region plate intersect %d %s' % (len(names), ' '.join(names)), 'group near empty')
+    for group, kind in (('near', FINE), ('coarse', COARSE)):
+        commands('fix plate_%s %s wall/gran/region %s region plate'
+                 % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))
+
+
+# Anew before any bead that was far can have come near.
+def find_near():
+    near = (local('type') == FINE) & (abs(local('x')[:, 2]) < fine_diameter / 2 + catch_depth)
+    local('mask')[:] = local('mask') & ~group_bit('near') | numpy.where(near, group_bit('near'), 0)
 
 
 def group_bit(name):
@@ -110,11 +119,6 @@ def put_aside():
     return numpy.concatenate(comm.allgather(fallen))
 
 
-def beads(name):
-    """An array of all beads but those of the plate, in the order of their numbers, on every rank."""
-    return gather(name)[gather('type') != PLATE]
-
-
 def is_aside():
     return (beads('mask') & group_bit('aside')) != 0
 
@@ -128,6 +132,7 @@ def set_motion():
             wall = wall_law(stiffness(sizes[kind], sizes[kind]))
             commands('fix x_%s %s wall/gran %s xplane 0 %.17g' % (group, group, wall, section),
                      'fix y_%s %s wall/gran %s yplane 0 %.17g' % (group, group, wall, section))
+    set_plate()
     commands('fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
     set_damping()
 

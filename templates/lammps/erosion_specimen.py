@@ -22,7 +22,6 @@ random = numpy.random.default_rng({{seed}})
 coarse_places = loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.8, random)
 make_box(coarse_places[:, 2].max() + 0.05)
 place(COARSE, coarse_places, coarse_diameter / 2)
-place_plate()
 set_laws()
 set_motion()
 commands('thermo_modify lost error')
@@ -32,12 +31,13 @@ time = 0.0
 
 def run(steps):
     global time
+    find_near()
     lmp.command('run %d post no' % steps)
     time += steps * step
 
 
 # Coarse beads, until they rest.
-step = 0.5 * {{time_step_factor}} * coarse_diameter / 2 * p_wave_time  # a coarse bead rests on many of the plate's
+step = {{time_step_factor}} * coarse_diameter / 2 * p_wave_time
 commands('timestep %.17g' % step)
 while time < 0.5 or abs(beads('v')).max() > 1e-3:
     run(100)

@@ -8,6 +8,7 @@ sandglass.send('drag_total', apply_drag())
 fallen, done = [], 0
 while done < window_steps:
     steps = min(catch_steps, window_steps - done)
+    find_near()
     lmp.command('run %d post no' % steps)
     done += steps
     fallen.extend(put_aside())
