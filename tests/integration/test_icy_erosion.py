@@ -1,0 +1,236 @@
+"""ICY's erosion test: the small scene with real YADE and FreeFEM, the head solver alone, and every option of the workflow.
+
+What the analysis says is computed here a second time from the record: beads, heads from resistances in series by
+numerical integration, and forces.
+"""
+
+import csv
+import math
+import os
+import unittest
+
+import h5py
+import numpy
+
+from case import DONE, HOME, PYTHON, Case, read, sets
+
+WORKFLOW = os.path.join(HOME, "workflows", "icy_erosion.yaml")
+WATER = 9806.65  # N/m3
+FINE_VOLUME = math.pi / 6 * 0.346e-3**3
+FINE_LAYER = 19e-3 / 0.00134  # its resistance, s
+OPTIONS = dict(scale=("small", "reduced", "full"), dem=("yade", "lammps"), drag=("coupled", "constant", "none"),
+               drag_split=("volume", "surface"), drag_on=("all", "fines"), fine_layer_drag=("true", "false"),
+               drag_follows=("bead", "place"), reinsertion=("true", "false"), sides=("walls", "periodic"), cells=("2", "5", "10"),
+               cell_borders=("cut", "centre"), conductivity_profile=("linear", "constant"), cell_top=("40.6 mm",),
+               head=("1 m",), head_history=("constant", "ramp", "test_971121"), damping=("0.2",), friction_angle=("26 deg",),
+               window=("0.1 s", "4 s"), end_time=("2 s",), seed=("7",), ranks=("2",))
+
+
+def conductivity(porosity, surface):
+    void = porosity / (1 - porosity)
+    return 10**0.5 * void**3 / (2.5**2 * surface**2 * (1 + void))
+
+
+def heads(k, top):
+    """Head loss of cells with these conductivities at their centres, linear between, over the whole head."""
+    cells = len(k)
+    border = numpy.linspace(0, top, cells + 1)
+    centre = (border[1:] + border[:-1]) / 2
+    node, weight = numpy.polynomial.legendre.leggauss(40)
+    loss = []
+    for low, middle, high in zip(border, centre, border[1:]):
+        # Half a cell at a time, where K is smooth: Gauss's rule of 40 points is exact to rounding.
+        loss.append(sum(((b - a) / 2 * weight / numpy.interp((a + b) / 2 + (b - a) / 2 * node, centre, k)).sum()
+                        for a, b in ((low, middle), (middle, high))))
+    return numpy.array(loss) / (sum(loss) + FINE_LAYER)
+
+
+class SmallScene(Case):
+    """One run, shortened to two windows; all tests look at it."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.ended = cls.place.sandglass("run", WORKFLOW, *sets(scale="small", end_time="0.2 s"), out="small", seconds=1100)
+
+    def test_ends_well_and_says_what_the_contract_asks(self):
+        self.assert_code(self.ended, DONE)
+        self.assertEqual([one["passed"] for one in self.ended.result["comparisons"]], [True] * 3)
+        for name in ("eroded_mass", "beads_total", "beads_eroded", "beads_unaccounted", "darcy_residual_max",
+                     "drag_balance_error_max", "porosity_fine_initial", "fines_lost_initial"):
+            self.assertIsInstance(self.ended.quantity(name), (int, float), name)
+        self.assertAlmostEqual(self.ended.quantity("porosity_fine_initial"), 0.5, delta=0.01)  # the wall moves 55 um a look
+
+    def test_every_bead_is_accounted_for(self):
+        with h5py.File(self.ended.path("stages", "specimen", "specimen.h5")) as file:
+            radius = file["radius"][...]
+            lost = file.attrs["fines_lost"]
+        record = self.ended.record
+        fines = int((radius < 1e-3).sum())
+        self.assertEqual(fines + lost, 3000)
+        self.assertEqual(len(radius) - fines, 12)
+        numpy.testing.assert_array_equal(record["fines_inside"][:, 0] + record["fines_aside"][:, 0], fines)
+        self.assertEqual(self.ended.quantity("beads_total"), fines)
+        self.assertEqual(self.ended.quantity("beads_unaccounted"), 0)
+        self.assertEqual(self.ended.quantity("beads_eroded"), record["eroded"].sum())
+        self.assertGreater(record["eroded"].sum(), 0, "nothing fell: the test says nothing")
+        self.assertAlmostEqual(self.ended.quantity("eroded_mass") / (record["eroded"].sum() * FINE_VOLUME * 2500), 1, delta=1e-12)
+
+    def test_darcy_and_the_sum_of_the_drag(self):
+        record = self.ended.record
+        with h5py.File(self.ended.path("stages", "start", "start.h5")) as file:
+            porosity = [file["porosity"][...], *record["porosity"]]
+            surface = [file["specific_surface"][...], *record["specific_surface"]]
+        for window in range(record.windows):
+            share = heads(conductivity(porosity[window], surface[window]), 10e-3)
+            difference = record["pressure_difference"][window]
+            numpy.testing.assert_allclose(difference, WATER * 0.23 * share, rtol=1e-11, atol=1e-12 * WATER * 0.23)
+            self.assertAlmostEqual(record["drag_total"][window, 0] / (difference.sum() * 36e-6), 1, delta=1e-10)
+        self.assertLess(self.ended.quantity("darcy_residual_max"), 1e-12)
+        self.assertLess(self.ended.quantity("drag_balance_error_max"), 1e-10)
+
+    def test_the_curve_is_a_file_that_the_result_names(self):
+        with open(self.ended.path("stages", "analyse", "eroded_mass.csv")) as file:
+            rows = list(csv.reader(file))[1:]
+        self.assertEqual(len(rows), 3)
+        self.assertAlmostEqual(float(rows[-1][1]), self.ended.quantity("eroded_mass"), delta=1e-15)
+        self.assertIn("eroded_mass.csv", read(self.ended.path("result.json")))
+
+
+BEADS = '''
+import sys
+import numpy
+sys.path.insert(0, {python!r})
+from sandglass_participant import connect
+participant = connect()
+porosity, surface = numpy.load({states!r})
+def advance():
+    window = min(participant.window.index, len(porosity) - 1)
+    participant.send("porosity", porosity[window])
+    participant.send("specific_surface", surface[window])
+participant.serve(advance)
+'''
+
+START = '''
+import h5py, numpy
+porosity, surface = numpy.load({states!r})
+with h5py.File("start.h5", "w") as file:
+    file["porosity"], file["specific_surface"] = porosity[0], surface[0]
+    file["head_time"], file["head"] = [0.0], [0.23]
+'''
+
+HEAD_SOLVER = """
+sandglass: 1
+name: head_solver
+stages:
+  start: {{run: command, command: [{program}, {start}], makes: [start.h5]}}
+  couple: {{run: coupling}}
+participants:
+  water:
+    solver: freefem
+    template: freefem/darcy_column.edp
+    given: [{{cells: 5}}, {{cell_top: 37 mm}}, {{fine_thickness: 19 mm}}, {{fine_conductivity: 0.00134 m/s}},
+            {{density: 2500 kg/m3}}, {{drag: $drag}}, {{conductivity_profile: $profile}}, {{start: {{file: start/start.h5}}}}]
+  beads: {{solver: command, command: [{program}, {beads}]}}
+parameters:
+  drag: {{value: coupled, choices: [coupled, constant, none]}}
+  profile: {{value: linear, choices: [linear, constant]}}
+coupling:
+  window: 1 s
+  end: {windows} s
+  order: [water, beads]
+  stability: {{watch: false}}
+  fields:
+    porosity: {{unit: "1", shape: [5], from: beads, to: water}}
+    specific_surface: {{unit: m2/kg, shape: [5], from: beads, to: water}}
+    pressure_difference: {{unit: Pa, shape: [5], from: water, to: beads}}
+    fine_gradient: {{unit: "1", shape: [1], from: water}}
+    conductivity: {{unit: m/s, shape: [5], from: water}}
+    flux: {{unit: m/s, shape: [1], from: water}}
+    head: {{unit: m, shape: [1], from: water}}
+left_out:
+  unchanged_flow: {{of: water, what: solves, why: nothing moved}}
+"""
+
+
+class HeadSolver(Case):
+    """FreeFEM's column, told what the cells contain."""
+
+    def solve(self, name, porosity, surface, **parameters):
+        states = self.place.join(name + ".npy")
+        numpy.save(states, [porosity, surface])
+        names = dict(python=os.path.join(HOME, "templates", "python"), states=states)
+        text = HEAD_SOLVER.format(program=PYTHON, windows=len(porosity), start=self.place.write(name + "-start.py", START.format(**names)),
+                                  beads=self.place.write(name + "-beads.py", BEADS.format(**names)))
+        return self.run_workflow(text, *sets(**parameters), name=name)
+
+    def test_jacobian_of_the_head_shares(self):
+        # d(dh_i)/dn_j = -dh_i (delta_ij - w_j) s_j with s = (3 - n)/(n (1 - n)), for K constant in each cell.
+        base = numpy.array([0.42, 0.35, 0.47, 0.39, 0.30])
+        step = 1e-4
+        porosity = numpy.vstack([base] + [base + sign * step * row for row in numpy.eye(5) for sign in (1, -1)])
+        ended = self.solve("jacobian", porosity, numpy.full_like(porosity, 2.1), profile="constant")
+        self.assert_code(ended, DONE)
+        loss = ended.record["pressure_difference"] / WATER
+        share = loss[0] / 0.23
+        slope = (3 - base) / (base * (1 - base))
+        theory = -loss[0][:, None] * (numpy.eye(5) - share) * slope
+        measured = ((loss[1::2] - loss[2::2]) / (2 * step)).T
+        # The central difference leaves step^2 / 6 times the third derivative, some (10)^2 here: 2e-7.
+        numpy.testing.assert_allclose(measured, theory, rtol=1e-5, atol=1e-6 * abs(theory).max())
+        self.assertGreater(abs(theory - numpy.diag(numpy.diag(theory))).max(), 1e-4, "cells feel each other")
+
+    def test_clogged_and_wide_open_cells(self):
+        porosity = numpy.full((4, 5), 0.4)
+        surface = numpy.full((4, 5), 2.0)
+        porosity[1, 3], surface[1, 3] = 0.0085, 6.0  # a millionth of its neighbours' conductivity
+        porosity[2, 1] = 0.98
+        ended = self.solve("extreme", porosity, surface)
+        self.assert_code(ended, DONE)
+        record = ended.record
+        for window in range(4):
+            k = conductivity(porosity[window], surface[window])
+            exact = WATER * 0.23 * heads_of_halves(k)
+            numpy.testing.assert_allclose(record["pressure_difference"][window], exact, rtol=1e-9, atol=1e-12 * WATER * 0.23)
+        clogged = conductivity(0.0085, 6.0) / conductivity(0.4, 2.0)
+        self.assertLess(clogged, 1e-6)
+
+    def test_a_cell_without_beads_is_named_and_finite(self):
+        porosity, surface = numpy.full((2, 5), 0.4), numpy.full((2, 5), 2.0)
+        porosity[0, 2], surface[0, 2] = 1, 0
+        ended = self.solve("empty", porosity, surface)
+        self.assert_code(ended, DONE)
+        self.assertIn("cell 3 from below has no beads", read(ended.path("result.json")))
+        self.assertTrue(numpy.isfinite(ended.record["pressure_difference"]).all())
+
+    def test_an_unchanged_flow_is_not_solved_again(self):
+        porosity, surface = numpy.full((3, 5), 0.4), numpy.full((3, 5), 2.0)
+        once = self.solve("once", porosity, surface)
+        again = self.sandglass("run", self.place.join("once.yaml"), "--no-prune", out="again")
+        self.assertGreater(once.result["left_out"][0]["saved_s"], 0)
+        self.assertEqual(again.result["left_out"], [])
+        numpy.testing.assert_array_equal(once.record["pressure_difference"], again.record["pressure_difference"])
+
+
+def heads_of_halves(k):
+    """As heads(), in closed form, which does not mind a million between neighbours."""
+    border = numpy.concatenate((k[:1], (k[1:] + k[:-1]) / 2, k[-1:]))
+    half = 37e-3 / 10
+
+    def part(a, b):
+        return numpy.where(a == b, half / a, half * numpy.log(b / a) / numpy.where(a == b, 1, b - a))
+
+    loss = part(border[:-1], k) + part(k, border[1:])
+    return loss / (loss.sum() + FINE_LAYER)
+
+
+class Options(Case):
+    def test_every_option_is_understood(self):
+        for name, values in OPTIONS.items():
+            for value in values:
+                ended = self.sandglass("check", WORKFLOW, *sets(**{name: value}))
+                self.assert_code(ended, DONE)
+
+
+if __name__ == "__main__":
+    unittest.main()
