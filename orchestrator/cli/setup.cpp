@@ -42,7 +42,7 @@ ExitCode execute(const std::string& name) {
     throw Error::usage(fmt::format("no optional solver is named '{}'", name),
                        suggestion(name, names));
   }
-  const std::string folder = home.root + "/.build/solvers/" + name;
+  const std::string folder = home.solver_folder(name);
   const std::string requirements = home.templates() + "/" + name + "/requirements.txt";
   const std::string mark = folder + "/installed";
   const std::string wanted = digest_of_file(requirements);

@@ -12,6 +12,10 @@ struct Home {
 
   [[nodiscard]] std::string templates() const { return root + "/templates"; }
   [[nodiscard]] std::string data() const { return root + "/data"; }
+  /// Where `setup` puts an optional solver: a private Python environment.
+  [[nodiscard]] std::string solver_folder(const std::string& name) const {
+    return root + "/.build/solvers/" + name;
+  }
   /// The FreeFEM plugin `sandglass`.
   [[nodiscard]] std::string plugin_folder() const { return build + "/freefem"; }
 

@@ -98,6 +98,7 @@ class Run {
   void prepare() {
     write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
     for (const auto& [name, text] : options_.files) write_file(directory_.file(name), text);
+    for (const std::string& name : solvers_of(workflow_)) require_installed(home_, name);
     // Reading whole solvers takes a while: it is done while they start.
     solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_)).share();
   }

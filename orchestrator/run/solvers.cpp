@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "base/error.hpp"
 
@@ -37,6 +38,21 @@ std::vector<std::string> freefem_arguments(const std::string& script) {
   return {solver("freefem").program, "-nw", "-v", "0", script};
 }
 
+/// LAMMPS and the Python that drives it, from the private environment; more than one rank under
+/// MPI. The launcher forks and the ranks meet in shared memory, so nothing listens on the network.
+Command lammps_command(const Home& home, int ranks) {
+  require_installed(home, "lammps");
+  const std::string programs = home.solver_folder("lammps") + "/bin/";
+  Command command;
+  if (ranks > 1) {
+    command.arguments = {programs + "mpiexec.gforker", "-n", fmt::format("{}", ranks)};
+    command.environment["UCX_TLS"] = "sm,self";
+  }
+  command.arguments.insert(command.arguments.end(),
+                           {programs + "python", home.templates() + "/lammps/resident.py"});
+  return command;
+}
+
 }  // namespace
 
 const std::vector<SolverInfo>& solvers() {
@@ -45,7 +61,8 @@ const std::vector<SolverInfo>& solvers() {
       {"freefem", "FreeFem++", "freefem++", "continua"},
       {"gmsh", "gmsh", "gmsh", "meshes"},
       {"python", kPython, "python3",
-       "mesh conversion (meshio), analysis (h5py), figures (matplotlib)"}};
+       "mesh conversion (meshio), analysis (h5py), figures (matplotlib)"},
+      {"lammps", "", "", "discrete elements, many of them and in parallel"}};
   return all;
 }
 
@@ -57,12 +74,21 @@ const SolverInfo& solver(const std::string& name) {
   return *found;
 }
 
+void require_installed(const Home& home, const std::string& name) {
+  namespace fs = std::filesystem;
+  if (!solver(name).package.empty() || fs::exists(home.solver_folder(name) + "/installed")) return;
+  throw Error::environment(fmt::format("the optional solver '{}' is not installed", name),
+                           fmt::format("./sandglass setup {}", name));
+}
+
 std::string solver_name(workflow::Solver which) {
   switch (which) {
     case workflow::Solver::yade:
       return "yade";
     case workflow::Solver::freefem:
       return "freefem";
+    case workflow::Solver::lammps:
+      return "lammps";
     case workflow::Solver::command:
       break;
   }
@@ -79,6 +105,8 @@ std::string solver_name(workflow::Program which) {
       return "freefem";
     case workflow::Program::yade:
       return "yade";
+    case workflow::Program::lammps:
+      return "lammps";
     case workflow::Program::command:
       return "command";
     case workflow::Program::coupling:
@@ -90,9 +118,14 @@ std::string solver_name(workflow::Program which) {
 Command participant_command(const Home& home, const workflow::Participant& participant,
                             const std::string& script) {
   Command command;
+  if (participant.solver == workflow::Solver::lammps) {
+    command = lammps_command(home, participant.ranks);
+  }
   set_threads(command, participant.threads);
   set_python(command, home);
   switch (participant.solver) {
+    case workflow::Solver::lammps:
+      break;
     case workflow::Solver::yade:
       command.arguments = {kPython, home.templates() + "/yade/resident.py"};
       break;
@@ -109,9 +142,15 @@ Command participant_command(const Home& home, const workflow::Participant& parti
 
 Command stage_command(const Home& home, const workflow::Stage& stage, const std::string& script) {
   Command command;
+  if (stage.program == workflow::Program::lammps) {
+    command = lammps_command(home, 1);
+    command.environment["SANDGLASS_SCRIPT"] = script;
+  }
   set_threads(command, 1);
   set_python(command, home);
   switch (stage.program) {
+    case workflow::Program::lammps:
+      break;
     case workflow::Program::gmsh:
       // The script meshes and saves by itself: '-' means no window and no meshing unasked.
       command.arguments = {solver("gmsh").program, "-nopopup", "-", script};
@@ -154,13 +193,23 @@ record::UsedProgram identify_solver(const Home& home, const std::string& name,
   if (name == "yade") {
     parts = {home.templates() + "/yade/resident.py",
              home.templates() + "/python/sandglass_participant.py",
+             home.templates() + "/python/sandglass_column.py",
              "/usr/lib/x86_64-linux-gnu/yade-double/libyade.so"};
   } else if (name == "freefem") {
     parts = {home.plugin_folder() + "/sandglass.so"};
+  } else if (name == "lammps") {
+    // The digest of the list of packages stands for the packages, which were checked by theirs.
+    parts = {home.templates() + "/lammps/requirements.txt",
+             home.templates() + "/lammps/resident.py",
+             home.templates() + "/python/sandglass_participant.py",
+             home.templates() + "/python/sandglass_column.py"};
   } else if (name == "python") {
-    parts = {home.templates() + "/python/sandglass_analysis.py"};
+    parts = {home.templates() + "/python/sandglass_analysis.py",
+             home.templates() + "/python/sandglass_column.py"};
   }
-  record::UsedProgram used = record::identify(info.name, info.program, info.package, parts, digest);
+  const std::string program =
+      info.package.empty() ? home.solver_folder(name) + "/bin/python" : info.program;
+  record::UsedProgram used = record::identify(info.name, program, info.package, parts, digest);
   // Our own files are named as they are in the checkout or the build, wherever those are.
   for (record::UsedFile& part : used.parts) {
     for (const std::string& place : {home.build + "/", home.root + "/"}) {

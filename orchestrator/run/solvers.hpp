@@ -16,7 +16,7 @@ namespace sandglass::run {
 struct SolverInfo {
   std::string name;     ///< as in workflows: "yade", "freefem", "gmsh", "python"
   std::string program;  ///< looked up on PATH
-  std::string package;  ///< the Debian package it comes from
+  std::string package;  ///< the Debian package it comes from; empty: installed by `setup`
   std::string role;     ///< one line, for `doctor`
 };
 
@@ -26,8 +26,11 @@ const SolverInfo& solver(const std::string& name);
 std::string solver_name(workflow::Solver solver);
 std::string solver_name(workflow::Program program);
 
-/// The command that starts the solver as a participant (YADE keeps living around its script;
-/// FreeFEM's script holds the loop).
+/// Throws Error::environment when the solver is one that `setup` installs and it is not there.
+void require_installed(const Home& home, const std::string& name);
+
+/// The command that starts the solver as a participant (YADE and LAMMPS keep living around their
+/// script; FreeFEM's script holds the loop).
 Command participant_command(const Home& home, const workflow::Participant& participant,
                             const std::string& script);
 /// The command that runs a stage's script once.

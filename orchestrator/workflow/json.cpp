@@ -194,6 +194,8 @@ std::string name_of(Program program) {
       return "freefem";
     case Program::yade:
       return "yade";
+    case Program::lammps:
+      return "lammps";
     case Program::command:
       return "command";
     case Program::coupling:
@@ -208,6 +210,8 @@ std::string name_of(Solver solver) {
       return "yade";
     case Solver::freefem:
       return "freefem";
+    case Solver::lammps:
+      return "lammps";
     case Solver::command:
       return "command";
   }

@@ -45,7 +45,7 @@ struct Given {
 };
 using GivenMap = std::map<std::string, Given>;
 
-enum class Program { gmsh, python, freefem, yade, command, coupling };
+enum class Program { gmsh, python, freefem, yade, lammps, command, coupling };
 
 struct Stage {
   std::string name;
@@ -61,18 +61,19 @@ struct Stage {
   Place place;
 };
 
-enum class Solver { yade, freefem, command };
+enum class Solver { yade, freefem, lammps, command };
 enum class Lifetime { resident, fresh };
 
 struct Participant {
   std::string name;
   Solver solver = Solver::command;
   std::string template_path;         ///< the script it starts with
-  std::string window_template_path;  ///< the script executed per window (YADE); may be empty
+  std::string window_template_path;  ///< the script executed per window; may be empty
   std::vector<std::string> command;  ///< argument vector, for Solver::command
   GivenMap given;                    ///< to template and window template together
   Lifetime lifetime = Lifetime::resident;
   int threads = 1;
+  int ranks = 1;         ///< processes under MPI, for Solver::lammps
   double deadline = 60;  ///< seconds that one answer may take
   Place place;
 };

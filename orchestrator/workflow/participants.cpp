@@ -11,8 +11,10 @@ namespace sandglass::workflow {
 namespace {
 
 Solver solver_of(const std::string& name) {
-  static const std::map<std::string, Solver> solvers = {
-      {"yade", Solver::yade}, {"freefem", Solver::freefem}, {"command", Solver::command}};
+  static const std::map<std::string, Solver> solvers = {{"yade", Solver::yade},
+                                                        {"freefem", Solver::freefem},
+                                                        {"lammps", Solver::lammps},
+                                                        {"command", Solver::command}};
   return solvers.at(name);
 }
 
@@ -35,16 +37,18 @@ void check_keys(const Context& context, const Section& section, const Participan
                          fmt::format("a {} participant has no '{}'", solver, key), "remove it");
   };
   if (participant.solver == Solver::command) {
+    refuses("ranks");
     needs("command", "command: [program, argument]");
     if (section.find("given") && !section.find("template") && !section.find("window_template")) {
       context.problems.add(section.place("given"), "given, but there is no template to use it",
                            "add 'template', or remove 'given'");
     }
   } else {
-    needs("template", participant.solver == Solver::yade ? "template: yade/settling_sphere.py"
-                                                         : "template: freefem/stokes_box.edp");
+    needs("template", participant.solver == Solver::freefem ? "template: freefem/stokes_box.edp"
+                                                            : "template: yade/settling_sphere.py");
     refuses("command");
     if (participant.solver == Solver::freefem) refuses("window_template");
+    if (participant.solver != Solver::lammps) refuses("ranks");
   }
 }
 
@@ -86,14 +90,15 @@ std::optional<Participant> read_participant(const Context& context, const Declar
   result.lifetime = section.text("process") == "fresh" ? Lifetime::fresh : Lifetime::resident;
   constexpr std::int64_t most_threads = 4096;
   result.threads = static_cast<int>(std::min(section.count("threads", 1), most_threads));
+  result.ranks = static_cast<int>(std::min(section.count("ranks", 1), most_threads));
   result.deadline = section.number("deadline", 60);
   result.given =
       read_given(context, variant.scope, variant.node, applies(variant.node, variant.scope));
   add_switches(context, declared, variant.scope, result.given);
   check_keys(context, section, result, solver);
-  const char* ending = result.solver == Solver::yade      ? ".py"
+  const char* ending = result.solver == Solver::command   ? ""
                        : result.solver == Solver::freefem ? ".edp"
-                                                          : "";
+                                                          : ".py";
   check_scripts(context,
                 {result.template_path, section.place("template"), result.window_template_path,
                  section.place("window_template"), ending, result.given});

@@ -13,8 +13,9 @@ namespace {
 
 Program program_of(const std::string& name) {
   static const std::map<std::string, Program> programs = {
-      {"gmsh", Program::gmsh}, {"python", Program::python},   {"freefem", Program::freefem},
-      {"yade", Program::yade}, {"command", Program::command}, {"coupling", Program::coupling}};
+      {"gmsh", Program::gmsh},        {"python", Program::python}, {"freefem", Program::freefem},
+      {"yade", Program::yade},        {"lammps", Program::lammps}, {"command", Program::command},
+      {"coupling", Program::coupling}};
   return programs.at(name);
 }
 
@@ -26,6 +27,7 @@ std::string ending_of(Program program) {
       return ".edp";
     case Program::python:
     case Program::yade:
+    case Program::lammps:
       return ".py";
     default:
       return {};
