@@ -42,13 +42,16 @@ double norm(std::span<const double> values) {
   return largest * std::sqrt(sum);
 }
 
-double relative_residual(const std::vector<double>& now, std::span<const double> next) {
+/// The change over the largest size of the field so far (`largest`, brought up to date): a field
+/// that passes through zero is not asked for more digits than it had.
+double relative_residual(const std::vector<double>& now, std::span<const double> next,
+                         double& largest) {
   if (now.size() != next.size()) return 1;
   std::vector<double> difference(now.size());
   for (std::size_t i = 0; i < now.size(); ++i) difference[i] = next[i] - now[i];
   const double change = norm(difference);
-  const double size = norm(next);
-  return change == 0 ? 0 : change / (size == 0 ? norm(now) : size);
+  largest = std::max(largest, norm(next));
+  return change == 0 ? 0 : change / (largest == 0 ? norm(now) : largest);
 }
 
 bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
@@ -69,7 +72,8 @@ struct Engine::State {
   Shape received_shape;
   Relaxation relaxation;
   StabilityWatch watch;
-  double residual = 0;  ///< of a relaxed field: |next - received| / |next|, before relaxation
+  double residual = 0;  ///< of a relaxed field: |next - received| / largest, before relaxation
+  double largest = 0;   ///< size of a relaxed field so far
 };
 
 /// What a partner was asked last, in the order of the plan's fields.
@@ -297,7 +301,7 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
   }
   if (field.relaxed) {
     const std::span<const double> target = field.transform ? next : state.sent;
-    state.residual = relative_residual(state.received, target);
+    state.residual = relative_residual(state.received, target, state.largest);
     state.relaxation.step(state.received, target);
   } else {
     state.received = std::move(next);
@@ -312,6 +316,7 @@ void Engine::remember(Memory& memory) {
     memory(name + ".sent_shape", state.sent_shape);
     memory(name + ".received", state.received);
     memory(name + ".received_shape", state.received_shape);
+    memory(name + ".largest", state.largest);
     state.relaxation.remember(memory, name + ".relaxation");
     state.watch.remember(memory, name + ".watch");
   }

@@ -67,7 +67,7 @@ struct Plan {
   std::vector<Field> fields;
   Acceleration acceleration = Acceleration::none;
   double relaxation = 1;     ///< w, or the first w
-  double tolerance = 1e-10;  ///< of serial_implicit: residual over value, both as 2-norms
+  double tolerance = 1e-10;  ///< of serial_implicit: residual over largest value, both as 2-norms
   std::int64_t most_iterations = 100;
   StabilityLimits stability;
   /// By partner: it answers the same values the same way, always, and is not asked again. May be

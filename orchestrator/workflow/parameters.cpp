@@ -25,6 +25,12 @@ Place place_of(const Setting& setting, const std::string& name) {
   return {fmt::format("command line (--set {})", name), 0, 0};
 }
 
+bool allows(const std::string& limit, double value, double bound) {
+  if (limit == "minimum") return value >= bound;
+  if (limit == "maximum") return value <= bound;
+  return limit == "above" ? value > bound : value < bound;
+}
+
 /// One parameter while it is read: its declaration, and where to report.
 class Declaration {
  public:
@@ -58,11 +64,6 @@ class Declaration {
   struct Limit {
     std::string key;
     double si = 0;
-    [[nodiscard]] bool allows(double value) const {
-      if (key == "minimum") return value >= si;
-      if (key == "maximum") return value <= si;
-      return key == "above" ? value > si : value < si;
-    }
   };
 
   [[nodiscard]] Type type() const {
@@ -144,7 +145,7 @@ class Declaration {
                       fmt::format("'{}' is a {}", result_.name, type_text(result_)));
         continue;
       }
-      if (is_reference(*limit)) continue;
+      if (is_reference(*limit)) continue;  // see check_relations
       const std::string& unit = result_.type == Type::number ? result_.unit : "1";
       const Reading reading = read_number(limit->text, Unit::valid(unit) ? unit : "*");
       if (reading.value) {
@@ -174,7 +175,7 @@ class Declaration {
     const double size = number ? *number : static_cast<double>(*count);
     bool good = true;
     for (const Limit& limit : limits_) {
-      if (limit.allows(size)) continue;
+      if (allows(limit.key, size, limit.si)) continue;
       good = false;
       Parameter mine = result_;
       Parameter bound = result_;
@@ -209,6 +210,48 @@ Value placeholder(const Parameter& parameter) {
       return "";
   }
   return {};
+}
+
+/// Limits that are other parameters, once all have their values.
+void check_relations(const Node& map, const std::string& file,
+                     const std::vector<Parameter>& parameters,
+                     const std::map<std::string, const Setting*>& set, Problems& problems) {
+  const auto number_of = [](const Parameter& one) -> std::optional<double> {
+    if (const auto* number = one.value.as<double>()) return *number;
+    if (const auto* count = one.value.as<std::int64_t>()) return static_cast<double>(*count);
+    return std::nullopt;
+  };
+  const Scope scope(file, no_parameters, &problems);
+  for (size_t i = 0; i < map.keys.size(); ++i) {
+    if (map.items[i].kind != Node::Kind::map) continue;
+    const Parameter& mine = parameters[i];
+    for (const char* limit : {"minimum", "maximum", "above", "below"}) {
+      const Node* bound = map.items[i].find(limit);
+      if (!bound || !is_reference(*bound)) continue;
+      const auto other =
+          std::find_if(parameters.begin(), parameters.end(),
+                       [&](const Parameter& one) { return one.name == bound->text.substr(1); });
+      if (other == parameters.end()) continue;  // reported with the file's structure
+      const auto value = number_of(mine);
+      const auto size = number_of(*other);
+      if (!value) continue;  // reported above
+      if (!size || mine.type != other->type ||
+          (mine.type == Type::number && !Unit::convertible(mine.unit, other->unit))) {
+        problems.add(scope.at(*bound),
+                     fmt::format("'{}' is no limit for '{}'", other->name, mine.name),
+                     fmt::format("it is a {}, not a {}", type_text(*other), type_text(mine)));
+      } else if (!allows(limit, *value, *size)) {
+        const bool here = set.contains(mine.name), there = set.contains(other->name);
+        const Place place =
+            here || there
+                ? Place{fmt::format("command line (--set {})", here ? mine.name : other->name), 0,
+                        0}
+                : mine.place;
+        problems.add(place, fmt::format("'{}' is {}", mine.name, shown(mine)),
+                     fmt::format("{}: '{}', which is {}", limit, other->name, shown(*other)));
+      }
+    }
+  }
 }
 
 std::map<std::string, const Setting*> by_name(const std::vector<Setting>& settings,
@@ -272,6 +315,7 @@ std::vector<Parameter> read_parameters(const Node& root, const std::string& file
     if (parameter.value.absent()) parameter.value = placeholder(parameter);
     result.push_back(std::move(parameter));
   }
+  if (map) check_relations(*map, file, result, set, problems);
   return result;
 }
 

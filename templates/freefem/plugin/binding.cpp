@@ -4,77 +4,23 @@
 #include <AFunction.hpp>
 #include <InitFunct.hpp>
 #include <RNM.hpp>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <error.hpp>
 #include <iostream>
 #include <memory>
-#include <utility>
 
+#include "function.hpp"
 #include "hdf5_file.hpp"
+#include "material_points.hpp"
 #include "participant.hpp"
 
 namespace {
 
-using sandglass::Participant;
+using namespace sandglass::freefem;
 namespace hdf5_file = sandglass::hdf5_file;
 template <class Number>
 using Array = hdf5_file::Array<Number>;
-
-/// A C++ function `Result f(Stack, Arguments...)` as a FreeFEM function. What it throws becomes an
-/// error of the script, which FreeFEM reports with the script's line.
-template <class Result, class... Arguments>
-class Function : public OneOperator {
- public:
-  using Body = Result (*)(Stack, Arguments...);
-  explicit Function(Body body)
-      : OneOperator(map_type[typeid(Result).name()], map_type[typeid(Arguments).name()]...),
-        body_(body) {}
-
-  E_F0* code(const basicAC_F0& arguments) const override {
-    return cast(arguments, std::index_sequence_for<Arguments...>());
-  }
-
- private:
-  using Expressions = std::array<Expression, sizeof...(Arguments)>;
-
-  /// E_F0mps: evaluated every time, never taken for a constant.
-  class Call : public E_F0mps {
-   public:
-    Call(Body body, Expressions arguments) : body_(body), arguments_(arguments) {}
-    AnyType operator()(Stack stack) const override {
-      return evaluate(stack, std::index_sequence_for<Arguments...>());
-    }
-
-   private:
-    template <std::size_t... I>
-    AnyType evaluate(Stack stack, std::index_sequence<I...>) const {
-      try {
-        return SetAny<Result>(body_(stack, GetAny<Arguments>((*arguments_[I])(stack))...));
-      } catch (const std::exception& error) {
-        throw ErrorExec(error.what(), 1);
-      }
-    }
-    Body body_;
-    Expressions arguments_;
-  };
-
-  template <std::size_t... I>
-  E_F0* cast(const basicAC_F0& arguments, std::index_sequence<I...>) const {
-    return new Call(body_, Expressions{t[I]->CastTo(arguments[I])...});
-  }
-  Body body_;
-};
-
-template <class Result, class... Arguments>
-void add(const char* name, Result (*body)(Stack, Arguments...)) {
-  Global.Add(name, "(", new Function<Result, Arguments...>(body));
-}
-
-string* text(Stack stack, const std::string& value) {
-  return Add2StackOfPtr2Free(stack, new string(value));
-}
 
 // FreeFEM keeps matrices column by column and slices with strides; HDF5 and the protocol want rows.
 
@@ -110,34 +56,6 @@ void unpack(const Array<double>& array, KNM<double>& matrix, const std::string& 
 }
 
 // The participant protocol.
-
-Participant& participant() {
-  static const std::unique_ptr<Participant> instance = Participant::from_environment();
-  return *instance;
-}
-
-/// Ends the process, as FreeFEM ends after an error. Not by an exception: FreeFEM unwinds a loop by
-/// deleting the variables of its body once more, and crashes on those not yet set in this turn.
-[[noreturn]] void end(int status) {
-  std::cout.flush();
-  std::_Exit(status);
-}
-
-[[noreturn]] void end_with_error(const std::string& why) {
-  std::cout << "sandglass: " << why << " (line " << TheCurrentLine << ")" << std::endl;
-  end(8);
-}
-
-/// What goes wrong in the protocol ends the script, and the orchestrator is told why.
-template <class Action>
-auto telling(const Action& action) {
-  try {
-    return action();
-  } catch (const std::exception& error) {
-    participant().fail(error.what());
-    end_with_error(error.what());
-  }
-}
 
 long ready(Stack, string* abilities) {
   participant().ready(*abilities);
@@ -293,6 +211,7 @@ void add_functions() {
   add("allfinite", finite_number);
   add("allfinite", finite_vector);
   add("allfinite", finite_matrix);
+  sandglass::freefem::add_material_points();
 }
 
 }  // namespace
