@@ -63,8 +63,8 @@ study:
                           "w.yaml:6:28: 'gird' under 'grid' must be a list of values",
                           "w.yaml:7:13: 'seed' under 'set' must be a single value",
                           "w.yaml:9:23: parameter 'window' is set twice here",
-                          "w.yaml:10:15: 'unstabel' is not a choice of 'expect'",
-                          "w.yaml:13:32: there is no set of points 'window'",
+                          "w.yaml:10:15: 'unstabel' is not valid for 'expect'",
+                          "w.yaml:13:33: there is no set of points 'window'",
                           "w.yaml:14:7: a second diagram of 'mistake'",
                           "w.yaml:14:35: a reference of an error that is a number"));
 }
