@@ -201,10 +201,12 @@ def draw(description):
     columns = min(len(panels), description["columns"] or 2)
     rows = math.ceil(len(panels) / columns)
     column_width = 7.2 if columns == 1 else 4.8
-    width = columns * column_width
     left, right, below = 0.72, 0.14, 0.5 if rows == 1 else 0.62  # around a panel's axes, for numbers and labels
     names = [item["name"] for panel in panels for item in panel.get("y_names", [])]
-    left = max([left] + [0.5 + 0.075 * len(name) for name in names])
+    column_width -= left
+    left = max([left] + [0.5 + 0.067 * len(name) for name in names])
+    column_width += left
+    width = columns * column_width
     above = 0.3 if any(panel["title"] for panel in panels) else 0.2
     axes_height = 3.6 if columns == 1 else 3.0
 
