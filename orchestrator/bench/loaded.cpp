@@ -23,7 +23,7 @@ WindowEnds window_ends(const run::Home& home, const workflow::Workflow& workflow
   WindowEnds result;
   result.ends.reserve(static_cast<std::size_t>(workflow.coupling->windows));
   result.begin = clock.now();
-  run::run_coupling(workflow, home, directory, scripts, {}, outcome,
+  run::run_coupling(workflow, home, directory, scripts, run::Span{}, outcome,
                     [&](std::int64_t, double) { result.ends.push_back(clock.now()); });
   return result;
 }

@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "cli/cli.hpp"
+#include "report/compare.hpp"
+#include "run/home.hpp"
 
 namespace sandglass::cli {
 
@@ -15,6 +17,7 @@ void add_check(CLI::App& app, Session& session) {
   verb->callback([&session, options] {
     session.action = [options] {
       const workflow::Workflow workflow = options->load();
+      report::check_references(workflow, run::Home::find().data());
       fmt::print(
           "{}: all is well; checked {} parameters, {} stages, {} participants and their "
           "templates\n",

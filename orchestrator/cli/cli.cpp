@@ -86,6 +86,8 @@ int main_program(int argc, char** argv) {
   add_plan(app, session);
   add_report(app, session);
   add_status(app, session);
+  add_verify(app, session);
+  add_profile(app, session);
   add_bench(app, session);
   add_doctor(app, session);
   add_setup(app, session);

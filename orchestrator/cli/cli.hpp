@@ -34,6 +34,8 @@ void add_check(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
 void add_status(CLI::App& app, Session& session);
+void add_verify(CLI::App& app, Session& session);
+void add_profile(CLI::App& app, Session& session);
 void add_bench(CLI::App& app, Session& session);
 void add_doctor(CLI::App& app, Session& session);
 void add_setup(CLI::App& app, Session& session);

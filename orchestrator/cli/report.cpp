@@ -4,6 +4,8 @@
 
 #include "cli/cli.hpp"
 #include "process/interrupt.hpp"
+#include "record/crate.hpp"
+#include "record/crate_files.hpp"
 #include "record/run_directory.hpp"
 #include "report/page.hpp"
 #include "run/home.hpp"
@@ -22,6 +24,11 @@ void add_report(CLI::App& app, Session& session) {
       report::ReportTools tools;
       tools.templates_root = run::Home::find().templates();
       report::write_report(directory.path(), tools);
+      std::vector<std::string> made = {"report.html"};
+      for (const std::string& file : record::files_of_crate(directory.path())) {
+        if (file.starts_with("figures/")) made.push_back(file);
+      }
+      record::refresh_crate(directory.path(), made);
       fmt::print("report  {}\n", directory.file("report.html"));
       return ExitCode::done;
     };

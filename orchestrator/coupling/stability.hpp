@@ -61,6 +61,8 @@ class StabilityWatch {
   StabilityLimits limits_;
   std::vector<double> last_;
   std::vector<double> last_change_;
+  std::vector<double> now_;  ///< these two only so that no memory is taken in every window
+  std::vector<double> change_;
   double scale_ = 0;
   Block block_;
   std::vector<Block> blocks_;  ///< the newest last

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,6 +31,7 @@ struct Slot::Place {
 struct Slot::Map {
   std::byte* memory = nullptr;
   std::size_t bytes = 0;
+  int descriptor = -1;
   std::int64_t* window = nullptr;
   double* time = nullptr;
   double* seconds = nullptr;
@@ -38,6 +40,7 @@ struct Slot::Map {
 
   ~Map() {
     if (memory != nullptr) ::munmap(memory, bytes);
+    if (descriptor >= 0) ::close(descriptor);
   }
 };
 
@@ -69,6 +72,7 @@ void describe(hdf5::File& file, const std::string& participant, const std::strin
 Slot::Slot(std::string path, const std::string& participant, const std::vector<FieldLayout>& inputs,
            const std::vector<FieldLayout>& outputs, bool mapped)
     : path_(std::move(path)),
+      participant_(participant),
       inputs_(inputs),
       outputs_(outputs),
       other_ranks_(outputs.size()),
@@ -89,18 +93,14 @@ Slot::Slot(std::string path, const std::string& participant, const std::vector<F
 
   const int descriptor = ::open(path_.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor < 0) throw_system_error("open the slot", path_, errno);
+  map_->descriptor = descriptor;
   const off_t size = ::lseek(descriptor, 0, SEEK_END);
   // A hole in a mapped file on a full disk would be a deadly signal later; ask for the space now.
   const int full = ::posix_fallocate(descriptor, 0, size);
-  if (full != 0) {
-    ::close(descriptor);
-    throw_system_error("allocate the slot", path_, full);
-  }
+  if (full != 0) throw_system_error("allocate the slot", path_, full);
   void* memory =
       ::mmap(nullptr, static_cast<size_t>(size), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
-  const int map_error = errno;
-  ::close(descriptor);
-  if (memory == MAP_FAILED) throw_system_error("map the slot", path_, map_error);
+  if (memory == MAP_FAILED) throw_system_error("map the slot", path_, errno);
   map_->memory = static_cast<std::byte*>(memory);
   map_->bytes = static_cast<size_t>(size);
 
@@ -125,14 +125,24 @@ Slot::Slot(std::string path, const std::string& participant, const std::vector<F
 Slot::~Slot() = default;
 
 void Slot::set_window(const Window& window) {
+  window_ = window;
   map_->window[0] = window.index;
   map_->window[1] = window.iteration;
   map_->time[0] = window.begin;
   map_->time[1] = window.end;
 }
 
-Window Slot::window() const {
-  return {map_->window[0], map_->window[1], map_->time[0], map_->time[1]};
+void Slot::require_whole() const {
+  struct stat status {};
+  if (::fstat(map_->descriptor, &status) == 0 &&
+      status.st_size >= static_cast<off_t>(map_->bytes)) {
+    return;
+  }
+  throw Error::participant(
+      fmt::format("participant {}: its slot '{}' was made shorter, from {} to {} bytes",
+                  participant_, path_, map_->bytes, status.st_size),
+      "a script may change the datasets of its slot, not the file: it must not open it for "
+      "writing");
 }
 
 void Slot::give(std::size_t input, std::span<const double> values, const Shape& shape) {
@@ -167,8 +177,8 @@ void Slot::write_fresh(const std::string& path) const {
   const std::string temporary = path + ".part";
   hdf5::File file(temporary, hdf5::File::Mode::create);
   describe(file, {}, "file");
-  file.write("/window", {2}, std::vector<std::int64_t>{map_->window[0], map_->window[1]});
-  file.write("/time", {2}, std::vector<double>{map_->time[0], map_->time[1]});
+  file.write("/window", {2}, std::vector<std::int64_t>{window_.index, window_.iteration});
+  file.write("/time", {2}, std::vector<double>{window_.begin, window_.end});
   for (size_t i = 0; i < inputs_.size(); ++i) {
     const Place& place = map_->inputs[i];
     const Shape shape(place.shape, place.shape + inputs_[i].capacity.size());

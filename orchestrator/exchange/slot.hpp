@@ -33,7 +33,11 @@ class Slot {
 
   [[nodiscard]] const std::string& path() const { return path_; }
   void set_window(const Window& window);
-  [[nodiscard]] Window window() const;
+  /// The one set last: what is in the slot may have been overwritten.
+  [[nodiscard]] const Window& window() const { return window_; }
+  /// Throws Error::participant when the file was made shorter: to touch what is gone would be a
+  /// deadly signal. To be asked whenever the participant has been at work.
+  void require_whole() const;
 
   /// Gives input number `input` the values of this shape; at most its capacity.
   void give(std::size_t input, std::span<const double> values, const Shape& shape);
@@ -59,6 +63,8 @@ class Slot {
   struct Place;
   struct Map;
   std::string path_;
+  std::string participant_;
+  Window window_{0, 0, 0, 0};
   std::vector<FieldLayout> inputs_;
   std::vector<FieldLayout> outputs_;
   /// Shapes of outputs that came in a fresh file with another number of axes than they should have.

@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
-#include <sstream>
 #include <utility>
 
 #include "base/error.hpp"
@@ -14,10 +12,6 @@
 
 namespace sandglass::participant {
 namespace {
-
-constexpr const char* kProtocol = "1";
-constexpr size_t kLongestLine = 65536;
-constexpr size_t kMostNotes = 1000;
 
 /// A state may be a file or a folder.
 void copy_state(const std::string& from, const std::string& to) {
@@ -59,24 +53,22 @@ Error Participant::failure(const std::string& what, const std::string& remedy) c
 void Participant::start() {
   child_ = std::make_unique<Child>(description_.name, description_.command, true);
   watch_.add(child_.get());
-  unread_.clear();
+  replies_.clear();
   asked_.clear();
 }
 
 void Participant::wait_until_ready() {
   const std::string line = hear();
-  std::istringstream words(line);
-  std::string word;
-  std::string version;
-  words >> word >> version;
-  if (word == "error")
+  if (line == "error" || line.starts_with("error ")) {
     throw failure("could not be set up: " + line.substr(std::min<size_t>(6, line.size())));
-  if (word != "ready" || version != kProtocol) {
-    throw failure(fmt::format("answered '{}' where 'ready {}' was expected", line, kProtocol),
+  }
+  slot_.require_whole();
+  const auto abilities = abilities_in(line);
+  if (!abilities) {
+    throw failure(fmt::format("answered '{}' where 'ready 1' was expected", line),
                   "see the participant protocol in templates/README.md");
   }
-  abilities_.clear();
-  while (words >> word) abilities_.insert(word);
+  abilities_ = *abilities;
   if (!description_.window_script.empty()) use_window_script(description_.window_script);
 }
 
@@ -206,8 +198,8 @@ std::string Participant::state_path(std::int64_t window) const {
 
 void Participant::say(const std::string& line) {
   // One answer too many would be taken for the answer to this.
-  child_->read_replies(unread_);
-  if (const auto unasked = next_answer()) {
+  child_->read_replies(replies_.unread());
+  if (const auto unasked = replies_.next_answer()) {
     throw failure(fmt::format("said '{}' without being asked", *unasked),
                   "see the participant protocol in templates/README.md");
   }
@@ -216,51 +208,20 @@ void Participant::say(const std::string& line) {
   static_cast<void>(child_->write_command(line + "\n"));
 }
 
-std::optional<std::string> Participant::next_answer() {
-  size_t begin = 0;
-  std::optional<std::string> answer;
-  for (size_t end = 0; !answer && (end = unread_.find('\n', begin)) != std::string::npos;
-       begin = end + 1) {
-    std::string line = unread_.substr(begin, end - begin);
-    if (line.rfind("note ", 0) == 0) {
-      if (notes_.size() < kMostNotes) notes_.push_back(line.substr(5));
-    } else if (line.rfind("saved ", 0) == 0) {
-      keep_saving(line.substr(6));
-    } else {
-      answer = std::move(line);
-    }
-  }
-  unread_.erase(0, begin);
-  return answer;
-}
-
-void Participant::keep_saving(const std::string& text) {
-  std::istringstream words(text);
-  Saving saving;
-  words >> saving.name >> saving.seconds;
-  const auto known = std::find_if(savings_.begin(), savings_.end(),
-                                  [&](const Saving& one) { return one.name == saving.name; });
-  if (known != savings_.end()) {
-    *known = saving;
-  } else if (savings_.size() < kMostNotes) {
-    savings_.push_back(saving);
-  }
-}
-
 std::string Participant::hear() {
   const SystemClock clock;
   const double end = clock.now() + description_.deadline;
   bool open = true;
   for (;;) {
-    if (auto answer = next_answer()) return *std::move(answer);
-    if (unread_.size() > kLongestLine) throw failure("sent a line without end");
+    if (auto answer = replies_.next_answer()) return *std::move(answer);
+    if (replies_.endless()) throw failure("sent a line without end");
     // However much it talks: the deadline is for the answer.
     const double left = end - clock.now();
     const Watch::Outcome outcome = left > 0
                                        ? watch_.wait(open ? child_->reply_descriptor() : -1, left)
                                        : Watch::Outcome{Watch::Event::late, nullptr};
     if (outcome.event == Watch::Event::ready) {
-      open = child_->read_replies(unread_);
+      open = child_->read_replies(replies_.unread());
       continue;
     }
     if (outcome.event == Watch::Event::late) {
@@ -272,8 +233,8 @@ std::string Participant::hear() {
     }
     if (outcome.child == child_.get()) {
       // What it said before it went may still be in the pipe.
-      if (open) open = child_->read_replies(unread_);
-      if (unread_.find('\n') != std::string::npos) continue;
+      if (open) open = child_->read_replies(replies_.unread());
+      if (replies_.holds_line()) continue;
       const auto ended = child_->poll_exit();
       const std::string how = ended ? ended->text() : "unknown status";
       if (asked_.empty()) throw failure(fmt::format("did not get ready: it ended with {}", how));
@@ -293,6 +254,7 @@ std::string Participant::hear() {
 
 void Participant::hear_ok(const std::string& asked) {
   const std::string line = hear();
+  slot_.require_whole();
   if (line == "ok") return;
   if (line.rfind("error", 0) == 0) {
     throw failure(fmt::format("failed at '{}': {}", asked,

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "exchange/slot.hpp"
+#include "participant/replies.hpp"
 #include "process/child.hpp"
 
 namespace sandglass::participant {
@@ -25,12 +26,6 @@ struct Description {
   bool fresh = false;    ///< a new process for every window
   bool mapped = true;    ///< false: fields cross as fresh files
   double deadline = 60;  ///< seconds that one answer may take
-};
-
-/// What leaving something out has saved in this run so far, as the participant measured it.
-struct Saving {
-  std::string name;
-  double seconds = 0;
 };
 
 /// One external solver in a coupled stage, by the participant protocol (templates/README.md).
@@ -75,9 +70,9 @@ class Participant {
   /// Seconds that its last window took by its own account.
   [[nodiscard]] double seconds() const { return window_seconds_; }
   [[nodiscard]] double peak_memory_bytes() const { return peak_memory_bytes_; }
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return replies_.notes(); }
   /// The newest of every name.
-  [[nodiscard]] const std::vector<Saving>& savings() const { return savings_; }
+  [[nodiscard]] const std::vector<Saving>& savings() const { return replies_.savings(); }
 
  private:
   void write_state(const std::string& path);
@@ -85,9 +80,6 @@ class Participant {
   void say(const std::string& line);
   /// Waits for the next line that is an answer.
   std::string hear();
-  /// The next answer among the lines that have come; those ahead of it are notes and savings.
-  std::optional<std::string> next_answer();
-  void keep_saving(const std::string& text);
   void hear_ok(const std::string& asked);
   void end_process();
   [[nodiscard]] std::string state_path(std::int64_t window) const;
@@ -97,13 +89,11 @@ class Participant {
   Watch& watch_;
   exchange::Slot slot_;
   std::unique_ptr<Child> child_;
-  std::string unread_;
+  Replies replies_;
   std::string asked_;       ///< the command being answered, for messages
   std::string input_file_;  ///< of this window, where fields cross as fresh files
   std::string output_file_;
   std::set<std::string> abilities_;
-  std::vector<std::string> notes_;
-  std::vector<Saving> savings_;
   double peak_memory_bytes_ = 0;
   double window_seconds_ = 0;
 };

@@ -53,6 +53,10 @@ struct Points {
 /// first (others are not read). Values are SI, x ascends. Throws Error::refused with the place.
 Points read_reference(const std::string& path);
 
+/// Reads every reference file that the workflow's comparisons name, so that a broken one is found
+/// before anything is run. Throws as read_reference does.
+void check_references(const workflow::Workflow& workflow, const std::string& data_root);
+
 /// The difference ours - reference at every point of ours inside the common range of abscissae,
 /// the reference interpolated linearly.
 struct Difference {

@@ -89,6 +89,12 @@ Points read_reference(const std::string& path) {
   return points;
 }
 
+void check_references(const workflow::Workflow& workflow, const std::string& data_root) {
+  for (const workflow::Comparison& one : workflow.comparisons) {
+    if (!one.reference_file.empty()) read_reference(data_root + "/" + one.reference_file);
+  }
+}
+
 Difference difference_of_curves(const Points& ours, const Points& reference) {
   Difference difference;
   if (reference.x.empty()) return difference;

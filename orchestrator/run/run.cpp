@@ -16,6 +16,7 @@
 #include "hdf5/hdf5.hpp"
 #include "process/interrupt.hpp"
 #include "record/checkpoint.hpp"
+#include "record/crate.hpp"
 #include "record/provenance.hpp"
 #include "report/analysis.hpp"
 #include "report/compare.hpp"
@@ -96,7 +97,10 @@ class Run {
   }
 
   void prepare() {
-    write_file(directory_.file("workflow.json"), workflow::to_json(workflow_).dump(1) + "\n");
+    write_file(directory_.file("workflow.json"),
+               workflow::to_json(workflow_).dump(1, ' ', false,
+                                                 nlohmann::ordered_json::error_handler_t::replace) +
+                   "\n");
     for (const auto& [name, text] : options_.files) write_file(directory_.file(name), text);
     for (const std::string& name : solvers_of(workflow_)) require_installed(home_, name);
     // Reading whole solvers takes a while: it is done while they start.
@@ -222,6 +226,7 @@ class Run {
       write_provenance();
       report::write_result(result_, directory_.path());
       if (!Interrupt::requested()) make_report(ended);
+      record::write_crate(directory_.path());
     } catch (const Error& error) {
       fail_late(error);
     }
@@ -330,7 +335,8 @@ class Run {
         {"report", report_seconds_}};
     for (const auto& [name, bytes] : outcome_.peak_memory_bytes) peak_memory_[name] = bytes;
     json["peak_memory_bytes"] = peak_memory_;
-    write_file(directory_.file("provenance.json"), json.dump(1) + "\n");
+    write_file(directory_.file("provenance.json"),
+               json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
 
   const workflow::Workflow& workflow_;
@@ -358,6 +364,7 @@ class Run {
 Ended execute(const workflow::Workflow& workflow, const Home& home, const Options& options,
               Status& status) {
   Interrupt::install();
+  report::check_references(workflow, home.data());
   return Run(workflow, home, options, status,
              record::RunDirectory::create(options.out, options.runs, workflow.name), std::nullopt)
       .execute();
@@ -382,6 +389,7 @@ Ended resume(const std::string& path, const Home& home, const Options& options, 
 }
 
 std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Home& home) {
+  report::check_references(workflow, home.data());
   Scripts scripts(home.templates(), "");
   std::vector<RenderedScript> rendered;
   const auto render = [&](const std::string& whose, const std::string& path,

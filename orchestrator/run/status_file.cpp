@@ -42,7 +42,7 @@ void StatusFile::write(const Progress& progress) {
   // Not flushed to the disk: it is worth nothing after a power cut, and it is written often.
   const std::string temporary = path_ + ".part";
   std::ofstream file(temporary);
-  file << json.dump(1) << '\n';
+  file << json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   file.close();
   if (!file) return;  // a full disk: the last status stays
   static_cast<void>(std::rename(temporary.c_str(), path_.c_str()));

@@ -26,6 +26,7 @@ value=X        sends X (nan, inf, -inf, 1e300) as its first value
 rows=N         says that the first axis of its fields has N rows
 columns=N      says that the last axis of its fields is N long
 forget         sends nothing
+truncate       cuts its own slot to nothing, then answers
 grandchild     starts a program that ignores signals, writes its number to the file `grandchild`, goes on as it should
 """
 
@@ -153,6 +154,11 @@ class Participant:
                 os.write(self.replies, b"x" * 10000)
         if "grandchild" in faults:
             self.start_grandchild()
+        if "truncate" in faults:
+            self.perform(command, path, faults)
+            os.truncate(os.environ["SANDGLASS_SLOT"], 0)
+            self.write(line)  # its own mapping is gone too
+            self.sleep_for_ever()
         if "late" in faults:
             time.sleep(float(faults["late"]))
         if "before" in faults:

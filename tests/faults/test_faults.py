@@ -109,6 +109,10 @@ class Solvers(FaultCase):
         self.fails("nothing", PARTICIPANT, "failed", "right", "window 3", "motion", "not sent",
                    right=("advance@3", "forget"))
 
+    def test_it_cuts_its_slot(self):
+        """To touch what is gone would be a deadly signal for the orchestrator."""
+        self.fails("cut", PARTICIPANT, "failed", "right", "slot", "made shorter", right=("advance@3", "truncate"))
+
     def test_a_sender_that_receives_nothing_works_in_both_ways(self):
         for exchange in ("mapped", "file"):
             with self.subTest(exchange):

@@ -191,6 +191,18 @@ TEST_F(SlotTest, AnAnswerOfAnotherTypeIsAnError) {
   EXPECT_THAT(error_of([&] { made.read_fresh(path); }).what(), HasSubstr("/out/velocity/values"));
 }
 
+TEST_F(SlotTest, AFileThatWasMadeShorterIsFoundWithoutTouchingIt) {
+  Slot made = slot();
+  made.set_window({7, 1, 0, 1});
+  made.require_whole();
+  std::filesystem::resize_file(path_, 100);
+  const Error error = test::error_of([&] { made.require_whole(); });
+  EXPECT_EQ(error.code(), ExitCode::participant);
+  EXPECT_THAT(error.what(), testing::HasSubstr("participant fluid"));
+  EXPECT_THAT(error.what(), testing::HasSubstr(path_));
+  EXPECT_EQ(made.window().index, 7);
+}
+
 TEST_F(SlotTest, NoFieldsAreFineToo) {
   const Slot made(path_, "clock", {}, {}, true);
   EXPECT_THAT(File(path_, File::Mode::read).list("/"), ElementsAre("seconds", "time", "window"));
