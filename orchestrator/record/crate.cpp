@@ -25,6 +25,7 @@ constexpr const char* kWorkflow = "workflow.yaml";
 Json reference(const std::string& id) { return {{"@id", id}}; }
 
 Json references(const std::vector<std::string>& ids) {
+  if (ids.size() == 1) return reference(ids[0]);
   Json list = Json::array();
   for (const std::string& id : ids) list.push_back(reference(id));
   return list;
@@ -113,6 +114,12 @@ class Crate {
 
   [[nodiscard]] bool has(const std::string& file) const {
     return std::binary_search(files_.begin(), files_.end(), file);
+  }
+
+  /// With its offset written out, as the profile wants it.
+  [[nodiscard]] std::string time(const char* which) const {
+    const std::string text = provenance_.value(which, "");
+    return text.ends_with("Z") ? text.substr(0, text.size() - 1) + "+00:00" : text;
   }
 
   void add_profiles() {
@@ -267,8 +274,8 @@ class Crate {
                       {"@type", "CreateAction"},
                       {"name", name},
                       {"description", description},
-                      {"startTime", provenance_.value("started", "")},
-                      {"endTime", provenance_.value("ended", "")},
+                      {"startTime", time("started")},
+                      {"endTime", time("ended")},
                       {"actionStatus", kCompleted},
                       {"instrument", reference(instrument)},
                       {"object", references(objects)},
@@ -295,8 +302,8 @@ class Crate {
     graph_.push_back({{"@id", "#organize"},
                       {"@type", "OrganizeAction"},
                       {"name", "orchestrate " + workflow_.value("name", "")},
-                      {"startTime", provenance_.value("started", "")},
-                      {"endTime", provenance_.value("ended", "")},
+                      {"startTime", time("started")},
+                      {"endTime", time("ended")},
                       {"instrument", reference(engine_)},
                       {"object", references(controls_)},
                       {"result", reference("#run")}});

@@ -13,15 +13,18 @@ namespace {
 
 using Json = nlohmann::json;
 
+bool is_file(const Json& type) {
+  return type == "File" ||
+         (type.is_array() && std::find(type.begin(), type.end(), "File") != type.end());
+}
+
 /// The digests in the crate, by path.
 std::map<std::string, std::string> digests_in(const std::string& text, const std::string& path) {
   const Json crate = Json::parse(text, nullptr, false);
   std::map<std::string, std::string> digests;
   try {
     for (const Json& entity : crate.at("@graph")) {
-      if (!entity.contains("sha256") || entity.at("@id").get<std::string>().starts_with("http")) {
-        continue;
-      }
+      if (!entity.contains("sha256") || !is_file(entity.at("@type"))) continue;
       digests[path_of_id(entity.at("@id").get<std::string>())] =
           entity.at("sha256").get<std::string>();
     }

@@ -33,6 +33,8 @@ std::string Scripts::render(const std::string& whose, const std::string& templat
     if (stored.empty()) {
       stored = folder_ + "/" + name;
       write_file(stored, text);
+    }
+    if (used_.emplace(whose, name).second) {
       stored_.push_back({whose, template_path, stored, digest});
     }
     path = stored;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "record/provenance.hpp"
@@ -41,7 +43,8 @@ class Scripts {
   std::string folder_;
   std::map<std::string, Template> templates_;
   std::map<std::string, std::string> path_of_name_;  ///< by template and digest
-  std::vector<Stored> stored_;
+  std::vector<Stored> stored_;                       ///< once for everybody who uses it
+  std::set<std::pair<std::string, std::string>> used_;
   double seconds_ = 0;
 };
 
