@@ -25,12 +25,29 @@ if is_fine[: numpy.count_nonzero(~is_fine)].any():
 time_step = {{time_step_factor}} * fine_diameter / 2 * math.sqrt(density * density_scaling / young)  # YADE's PWaveTimeStep
 window_steps = math.ceil({{exchange_window}} / time_step)
 
-make_box(start[0][:, 2].max() + 0.05)
-for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
-    place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
-set_laws()
-set_motion()
-commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
+
+# The first window begins with the specimen; a run that is resumed, with a state that was written. One LAMMPS does one of
+# the two: after clear and read_restart in one process the last bits differ.
+def begin():
+    make_box(start[0][:, 2].max() + 0.05)
+    for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
+        place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
+    set_groups()
+    set_up()
+
+
+def resume(path):
+    commands('processors * 1 1', 'newton off', 'read_restart "%s"' % path)
+    set_lists()
+    set_up()
+
+
+def set_up():
+    set_laws()
+    set_motion()
+    commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
+
+
 numbers = numpy.arange(1, len(radii) + 1)
 {{#drag_follows.place}}
 refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window}} / window_steps)))

@@ -30,10 +30,16 @@ def commands(*lines):
 
 def make_box(top):
     side = 'p' if periodic else 'f'
-    commands('units si', 'atom_style sphere', 'boundary %s %s f' % (side, side), 'newton off',
-             'atom_modify map array sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes', 'processors * 1 1',
+    commands('units si', 'atom_style sphere', 'boundary %s %s f' % (side, side), 'newton off', 'atom_modify map array',
+             'processors * 1 1',
              'region box block 0 %.17g 0 %.17g %.17g %.17g units box' % (section, section, -40 * catch_depth, top),
              'create_box 2 box')
+    set_lists()
+
+
+def set_lists():
+    # Without sorting, a run that is resumed goes on with the same bytes.
+    commands('atom_modify sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes')
 
 
 def place(kind, positions, radius, velocity=None, spin=None):
@@ -72,8 +78,11 @@ def set_laws():
     commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in pairs),
              *('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(pairs)),
              'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2',
-             'group fines type 1', 'group coarse type 2', 'group moving type 1 2', 'group aside empty',
              'neigh_modify exclude group aside all')
+
+
+def set_groups():
+    commands('group fines type 1', 'group coarse type 2', 'group moving type 1 2', 'group aside empty', 'group near empty')
 
 
 # The plate: bars both ways, flat, with their tops at the height 0. Beads may be where they are outside of all bars. Of the
@@ -88,7 +97,7 @@ def set_plate():
             top = 0 if along == 'x' else -1e-9
             names.append('bar%d' % len(names))
             commands('region %s block %s %.17g %.17g side out units box' % (names[-1], faces, -fine_diameter / 2, top))
-    commands('region plate intersect %d %s' % (len(names), ' '.join(names)), 'group near empty')
+    commands('region plate intersect %d %s' % (len(names), ' '.join(names)))
     for group, kind in (('near', FINE), ('coarse', COARSE)):
         commands('fix plate_%s %s wall/gran/region %s region plate'
                  % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))

@@ -9,8 +9,8 @@ an exception: a `lammps` stage. Scripts see `lmp` (the lammps object), `comm` (m
 participant, `sandglass`. All ranks run the same script; only the first one talks to the orchestrator, and what it
 receives every rank gets.
 
-State is a restart file of LAMMPS: `checkpoint` writes one. A script that finds SANDGLASS_LOAD-ed state has to define
-`load_state(path)`; loading is for a process that has not run yet.
+State is a restart file of LAMMPS: `checkpoint` writes one. A script whose state is to be kept defines `begin()`, called
+before the first window, and `resume(path)`, called in its place by `load`; one process does one of the two.
 """
 
 import ctypes
@@ -78,6 +78,7 @@ class Ranks:
         self._namespace = namespace
         self._comm = namespace["comm"]
         self._code = None
+        self._begun = "begin" not in namespace
 
     def call(self, name, *arguments):
         """On the first rank: every rank does it."""
@@ -99,6 +100,9 @@ class Ranks:
     def _advance(self):
         if self._code is None:
             raise RuntimeError("'advance' before 'script': there is no script to execute")
+        if not self._begun:
+            self._namespace["begin"]()
+            self._begun = True
         self._namespace["sandglass"].share_window()
         exec(self._code, self._namespace)
 
@@ -106,7 +110,10 @@ class Ranks:
         self._namespace["lmp"].command('write_restart "%s"' % path)
 
     def _load(self, path):
-        self._namespace["load_state"](path)
+        if self._begun:
+            raise RuntimeError("'load' after a window: LAMMPS resumes in a new process only")
+        self._namespace["resume"](path)
+        self._begun = True
 
 
 def run_script(path, namespace):
@@ -138,7 +145,7 @@ def take_part(script, namespace):
     participant.serve(
         lambda: ranks.call("advance"),
         checkpoint=lambda path: ranks.call("checkpoint", path),
-        load=(lambda path: ranks.call("load", path)) if "load_state" in namespace else None,
+        load=(lambda path: ranks.call("load", path)) if "resume" in namespace else None,
         script=lambda path: ranks.call("script", path),
     )
     comm.bcast(("stop", ()))

@@ -29,3 +29,5 @@ sandglass.send('porosity', porosity)
 sandglass.send('specific_surface', specific_surface)
 sandglass.send('fines_inside', numpy.count_nonzero(inside & is_fine))
 sandglass.send('fines_aside', numpy.count_nonzero(~inside))
+if sandglass.wants('position'):
+    sandglass.send('position', positions())
