@@ -72,7 +72,7 @@ bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 bool changed_on_the_way(const Field& field) {
-  return static_cast<bool>(field.transform) || field.relaxed;
+  return field.transform || field.mapping || field.relaxed;
 }
 
 }  // namespace
@@ -85,8 +85,10 @@ struct Engine::State {
   Shape received_shape;
   Relaxation relaxation;
   StabilityWatch watch;
-  double residual = 0;  ///< of a relaxed field: |next - received| / largest, before relaxation
-  double largest = 0;   ///< size of a relaxed field so far
+  double residual = 0;       ///< of a relaxed field: |next - received| / largest, before relaxation
+  double largest = 0;        ///< size of a relaxed field so far
+  std::vector<double> next;  ///< of a field that waits to be relaxed together with others
+  bool waiting = false;
 };
 
 /// What a partner was asked last, in the order of the plan's fields.
@@ -101,7 +103,11 @@ struct Engine::Question {
 };
 
 Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Clock& clock)
-    : plan_(plan), partners_(partners), clock_(clock), questions_(partners.size()) {
+    : plan_(plan),
+      partners_(partners),
+      clock_(clock),
+      questions_(partners.size()),
+      quasi_newton_(plan.relaxation, plan.reused_windows, plan.filter) {
   for (const Field& field : plan.fields) {
     State& state = states_.emplace_back(State{
         {}, {}, {}, {}, {plan.acceleration, plan.relaxation}, StabilityWatch(plan.stability)});
@@ -109,7 +115,9 @@ Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Cl
     // Nothing has been counted yet where the number of rows is found at run time.
     if (field.variable) state.sent_shape[0] = 0;
     state.sent.assign(static_cast<size_t>(count_of(state.sent_shape)), field.initial);
-    state.received_shape = field.transform ? field.received_shape : state.sent_shape;
+    state.received_shape =
+        field.transform || field.mapping ? field.received_shape : state.sent_shape;
+    if (field.mapping) state.received_shape[0] = 0;
     if (changed_on_the_way(field)) {
       state.received.assign(static_cast<size_t>(count_of(state.received_shape)), field.initial);
     }
@@ -166,6 +174,7 @@ void Engine::at_once(Done& done) {
 void Engine::iterate(Done& done) {
   for (Partner* partner : partners_) partner->save();
   for (State& state : states_) state.relaxation.new_window();
+  quasi_newton_.new_window();
   double first_residual = 0;
   for (done.iterations = 1;; ++done.iterations) {
     if (done.iterations > 1) {
@@ -309,19 +318,64 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
     require_finite(next, [&] {
       return fmt::format("{}: field '{}' after its transform", from(), field.name);
     });
+  } else if (field.mapping) {
+    std::vector<Field::Newest> inputs;
+    for (const std::size_t input : field.inputs) {
+      inputs.push_back({states_[input].sent, states_[input].sent_shape});
+    }
+    next = field.mapping(state.sent, state.sent_shape, inputs, state.received_shape);
   } else {
     state.received_shape = state.sent_shape;
   }
   if (field.relaxed) {
-    const std::span<const double> target = field.transform ? next : state.sent;
-    state.residual = relative_residual(state.received, target, state.largest);
-    state.relaxation.step(state.received, target);
+    const std::span<const double> target = field.transform || field.mapping ? next : state.sent;
+    relax(f, target);
   } else {
     state.received = std::move(next);
   }
 }
 
+void Engine::relax(std::size_t f, std::span<const double> next) {
+  State& state = states_[f];
+  state.residual = relative_residual(state.received, next, state.largest);
+  if (plan_.acceleration != Acceleration::iqn_ils) {
+    state.relaxation.step(state.received, next);
+    return;
+  }
+  state.next.assign(next.begin(), next.end());
+  state.waiting = true;
+  for (std::size_t other = 0; other < states_.size(); ++other) {
+    if (plan_.fields[other].relaxed && !states_[other].waiting) return;
+  }
+  relax_together();
+}
+
+/// All relaxed fields as one vector of unknowns, each weighted by its size.
+void Engine::relax_together() {
+  std::vector<double> now;
+  std::vector<double> next;
+  std::vector<double> weights;
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (!plan_.fields[f].relaxed) continue;
+    const State& state = states_[f];
+    now.insert(now.end(), state.received.begin(), state.received.end());
+    next.insert(next.end(), state.next.begin(), state.next.end());
+    weights.insert(weights.end(), state.next.size(), state.largest > 0 ? 1 / state.largest : 1.0);
+  }
+  quasi_newton_.step(now, next, weights);
+  auto from = now.begin();
+  for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (!plan_.fields[f].relaxed) continue;
+    State& state = states_[f];
+    const auto to = from + static_cast<std::ptrdiff_t>(state.next.size());
+    state.received.assign(from, to);
+    state.waiting = false;
+    from = to;
+  }
+}
+
 void Engine::remember(Memory& memory) {
+  quasi_newton_.remember(memory, "quasi_newton");
   for (std::size_t f = 0; f < states_.size(); ++f) {
     State& state = states_[f];
     const std::string& name = plan_.fields[f].name;

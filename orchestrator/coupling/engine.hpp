@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "coupling/memory.hpp"
+#include "coupling/quasi_newton.hpp"
 #include "coupling/relaxation.hpp"
 #include "coupling/scheme.hpp"
 #include "coupling/stability.hpp"
@@ -53,6 +54,16 @@ struct Field {
   /// In transit; empty for identity.
   std::function<std::vector<double>(std::span<const double>, const Shape&, Shape& result)>
       transform;
+  /// The newest values of another field.
+  struct Newest {
+    std::span<const double> values;
+    Shape shape;
+  };
+  /// In transit between points that are fields themselves, `inputs` by number; empty otherwise.
+  std::function<std::vector<double>(std::span<const double>, const Shape&,
+                                    const std::vector<Newest>& inputs, Shape& result)>
+      mapping;
+  std::vector<std::size_t> inputs;
   Shape received_shape;
   double initial = 0;  ///< every value before the sender has spoken
   /// What is received is relaxed: the unknown of the iteration, when there is one.
@@ -69,6 +80,8 @@ struct Plan {
   double relaxation = 1;     ///< w, or the first w
   double tolerance = 1e-10;  ///< of serial_implicit: residual over largest value, both as 2-norms
   std::int64_t most_iterations = 100;
+  std::int64_t reused_windows = 10;  ///< of iqn_ils: earlier windows whose iterations are used
+  double filter = 1e-2;              ///< of iqn_ils: what a column must add, over its length
   StabilityLimits stability;
   /// By partner: it answers the same values the same way, always, and is not asked again. May be
   /// shorter than the partners: the others are asked.
@@ -143,12 +156,16 @@ class Engine {
   /// Returns the seconds that the partner worked.
   double finish(std::size_t p, Done& done);
   void accept(std::size_t f, const Partner::Sent& sent, std::int64_t window);
+  /// Takes the next value of a relaxed field, and gives its receiver what it gets.
+  void relax(std::size_t f, std::span<const double> next);
+  void relax_together();
 
   const Plan& plan_;
   const std::vector<Partner*>& partners_;
   const Clock& clock_;
   std::vector<State> states_;
   std::vector<Question> questions_;  ///< by partner
+  QuasiNewton quasi_newton_;
 };
 
 }  // namespace sandglass::coupling

@@ -11,7 +11,8 @@ namespace sandglass::coupling {
 enum class Acceleration {
   none,      ///< the newest value as it is
   constant,  ///< x + w r
-  aitken     ///< x + w r, w from the last two residuals (Irons and Tuck, 1969)
+  aitken,    ///< x + w r, w from the last two residuals (Irons and Tuck, 1969)
+  iqn_ils    ///< quasi-Newton over all relaxed fields together, see quasi_newton.hpp
 };
 
 /// Relaxation of a fixed-point iteration x -> f(x): the next x from x and the residual r = f(x) -

@@ -155,6 +155,68 @@ void read_transform(const Context& context, const Section& section, const Declar
   field.received_shape = exchange::transformed_shape(field.transform, field.shape, field.samples);
 }
 
+/// The fields that a mapping names: sent in the same run, and with the shape of points or cells.
+void check_mapping_field(const Context& context, const Section& section, const char* key,
+                         const std::string& sender, const std::vector<Field>& fields) {
+  const std::string name = section.text(key);
+  if (name.empty()) return;
+  const auto found = std::find_if(fields.begin(), fields.end(),
+                                  [&](const Field& one) { return one.name == name; });
+  if (found == fields.end()) {
+    std::vector<std::string> names;
+    for (const Field& one : fields) names.push_back(one.name);
+    context.problems.unknown(section.place(key), "there is no field", name, names);
+    return;
+  }
+  const bool rows = found->shape.size() == 2 && (found->shape[1] == 2 || found->shape[1] == 3);
+  if (!rows) {
+    context.problems.add(section.place(key),
+                         fmt::format("field '{}' cannot be points or cells", name),
+                         "its shape must be [number, 2] or [number, 3]");
+  }
+  if (found->from != sender) {
+    context.problems.add(
+        section.place(key),
+        fmt::format("field '{}' is sent by '{}', not by '{}'", name, found->from, sender),
+        "name the points of the participant at this end");
+  }
+}
+
+/// Mappings, once all fields are known.
+void read_mappings(const Context& context, const Node& map, std::vector<Field>& fields) {
+  for (size_t i = 0; i < map.keys.size(); ++i) {
+    const Node* node =
+        map.items[i].kind == Node::Kind::map ? map.items[i].find("mapping") : nullptr;
+    const auto mine = std::find_if(fields.begin(), fields.end(),
+                                   [&](const Field& one) { return one.name == map.keys[i].text; });
+    if (!node || node->kind != Node::Kind::map || mine == fields.end() || mine->to.empty())
+      continue;
+    const Section section(*node, object("mapping"), context.scope);
+    FieldMapping mapping;
+    mapping.method = section.text("method") == "nearest" ? exchange::MappingMethod::nearest
+                                                         : exchange::MappingMethod::linear;
+    mapping.conservative = section.text("kind") == "conservative";
+    mapping.from_points = section.text("from_points");
+    mapping.to_points = section.text("to_points");
+    mapping.cells = section.text("cells");
+    mapping.limit = section.number("limit", 0);
+    check_mapping_field(context, section, "from_points", mine->from, fields);
+    check_mapping_field(context, section, "to_points", mine->to, fields);
+    check_mapping_field(context, section, "cells", mapping.conservative ? mine->to : mine->from,
+                        fields);
+    if (mine->transform != Transform::identity || mine->shape.size() > 2) {
+      context.problems.add(
+          context.scope.at(*node), fmt::format("field '{}' cannot be mapped", mine->name),
+          "a mapped field has the shape [points] or [points, components], and no transform");
+    }
+    for (const Field& points : fields) {
+      if (points.name != mapping.to_points || mine->received_shape.empty()) continue;
+      mine->received_shape[0] = points.shape[0];
+    }
+    mine->mapping = std::move(mapping);
+  }
+}
+
 Field read_field(const Context& context, const Declared& declared, const Order& order,
                  const Recorded& recorded) {
   const Section section(*declared.node, object("field"), context.scope);
@@ -192,6 +254,19 @@ Field read_field(const Context& context, const Declared& declared, const Order& 
   return field;
 }
 
+/// Names that other fields' mappings use: such a field is sent although nobody receives it.
+std::set<std::string> used_by_mappings(const Node& fields) {
+  std::set<std::string> names;
+  for (const Node& field : fields.items) {
+    const Node* mapping = field.kind == Node::Kind::map ? field.find("mapping") : nullptr;
+    if (!mapping || mapping->kind != Node::Kind::map) continue;
+    for (const char* key : {"from_points", "to_points", "cells"}) {
+      if (const Node* name = mapping->find(key)) names.insert(name->text);
+    }
+  }
+  return names;
+}
+
 void read_fields(const Context& context, const Section& section, const Order& order,
                  Coupling& coupling) {
   const Node* map = section.find("fields");
@@ -200,19 +275,22 @@ void read_fields(const Context& context, const Section& section, const Order& or
   for (const Node::Key& key : map->keys) names.push_back(key.text);
   const Recorded recorded = read_record(context, names);
   const auto& keep = context.options.keep;
+  const std::set<std::string> used = used_by_mappings(*map);
   for (size_t i = 0; i < map->keys.size(); ++i) {
     if (map->items[i].kind != Node::Kind::map) continue;
     const Declared declared{names[i], context.scope.at(map->keys[i]), &map->items[i]};
     Field field = read_field(context, declared, order, recorded);
     if (!applies(*declared.node, context.scope) || !contains(order.running, field.from)) continue;
     if (!contains(order.running, field.to)) field.to.clear();
-    const bool put_back = context.options.keep_all || contains(keep, field.name);
+    const bool put_back =
+        context.options.keep_all || contains(keep, field.name) || used.contains(field.name);
     if (field.to.empty() && !field.recorded && !put_back) {
       coupling.fields_left_out.push_back(field.name);
     } else {
       coupling.fields.push_back(std::move(field));
     }
   }
+  read_mappings(context, *map, coupling.fields);
 }
 
 Scheme scheme_of(const std::string& name) {
@@ -222,6 +300,7 @@ Scheme scheme_of(const std::string& name) {
 
 Acceleration acceleration_of(const std::string& name) {
   if (name == "constant") return Acceleration::constant;
+  if (name == "iqn-ils") return Acceleration::iqn_ils;
   return name == "aitken" ? Acceleration::aitken : Acceleration::none;
 }
 
@@ -233,10 +312,16 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
   }
   coupling.tolerance = section.number("tolerance", coupling.tolerance);
   coupling.iterations = section.count("iterations", coupling.iterations);
-  if (coupling.acceleration == Acceleration::aitken && coupling.scheme != Scheme::serial_implicit) {
-    context.problems.add(section.place("acceleration"),
-                         "Aitken's factor needs iterations within a window",
-                         "use scheme serial-implicit, or acceleration constant");
+  coupling.reused_windows = section.count("reused_windows", coupling.reused_windows);
+  coupling.filter = section.number("filter", coupling.filter);
+  const bool iterates = coupling.acceleration == Acceleration::aitken ||
+                        coupling.acceleration == Acceleration::iqn_ils;
+  if (iterates && coupling.scheme != Scheme::serial_implicit) {
+    context.problems.add(
+        section.place("acceleration"),
+        fmt::format("{} needs iterations within a window",
+                    coupling.acceleration == Acceleration::aitken ? "Aitken's factor" : "IQN-ILS"),
+        "use scheme serial-implicit, or acceleration constant");
   }
   const Node* stability = section.find("stability");
   if (!stability || stability->kind != Node::Kind::map) return;

@@ -69,6 +69,16 @@ Json to_json(const Participant& participant) {
           {"deadline_s", participant.deadline}};
 }
 
+Json to_json(const std::optional<FieldMapping>& mapping) {
+  if (!mapping) return nullptr;
+  return {{"method", mapping->method == exchange::MappingMethod::nearest ? "nearest" : "linear"},
+          {"kind", mapping->conservative ? "conservative" : "consistent"},
+          {"from_points", mapping->from_points},
+          {"to_points", mapping->to_points},
+          {"cells", mapping->cells},
+          {"limit_m", mapping->limit}};
+}
+
 Json to_json(const Field& field) {
   return {{"name", field.name},
           {"unit", field.unit},
@@ -77,6 +87,7 @@ Json to_json(const Field& field) {
           {"from", field.from},
           {"to", field.to.empty() ? Json(nullptr) : Json(field.to)},
           {"transform", name_of(field.transform)},
+          {"mapping", to_json(field.mapping)},
           {"samples", field.samples},
           {"received_shape", field.received_shape},
           {"initial", field.initial},
@@ -95,6 +106,8 @@ Json to_json(const Coupling& coupling) {
       {"order", coupling.order},
       {"exchange", coupling.transport == Transport::file ? "file" : "mapped"},
       {"acceleration", name_of(coupling.acceleration)},
+      {"reused_windows", coupling.reused_windows},
+      {"filter", coupling.filter},
       {"relaxation", coupling.relaxation},
       {"tolerance", coupling.tolerance},
       {"iterations", coupling.iterations},
@@ -220,6 +233,7 @@ std::string name_of(Solver solver) {
 
 std::string name_of(Acceleration acceleration) {
   if (acceleration == Acceleration::constant) return "constant";
+  if (acceleration == Acceleration::iqn_ils) return "iqn-ils";
   return acceleration == Acceleration::aitken ? "aitken" : "none";
 }
 

@@ -18,7 +18,7 @@ namespace sandglass::workflow {
 ///                      "process", "threads", "deadline_s"}],
 ///    "coupling": {"scheme", "window_s", "end_s", "windows", "order", "exchange", "fields":
 ///    [{"name",
-///                 "unit", "shape", "variable", "from", "to", "transform", "samples",
+///                 "unit", "shape", "variable", "from", "to", "transform", "mapping", "samples",
 ///                 "received_shape", "initial", "recorded"}], "fields_left_out"} or null,
 ///    "comparisons": [{"name", "quantity" | "curve", "reference", "metric", "tolerance", "unit",
 ///                     "because", "holds_for": [{"parameter", "value", "met"}]}],

@@ -411,11 +411,13 @@ Object coupling_keys() {
        {.name = "acceleration",
         .kind = Kind::choice,
         .reference = true,
-        .names = {"none", "constant", "aitken"},
+        .names = {"none", "constant", "aitken", "iqn-ils"},
         .fallback = "none",
         .doc =
             "How relaxed fields follow: at once, by the factor `relaxation` (in explicit schemes "
-            "carried from window to window), or by Aitken's factor (serial-implicit only).",
+            "carried from window to window), by Aitken's factor, or all together by the "
+            "quasi-Newton "
+            "method IQN-ILS (the last two in serial-implicit only).",
         .example = "aitken"},
        {.name = "relaxation",
         .kind = Kind::number,
@@ -423,8 +425,24 @@ Object coupling_keys() {
         .unit = "1",
         .above = 0,
         .fallback = "0.5",
-        .doc = "The factor of constant relaxation, and the first of Aitken's.",
+        .doc = "The factor of constant relaxation, and the first of the other accelerations.",
         .example = "0.5"},
+       {.name = "reused_windows",
+        .kind = Kind::count,
+        .reference = true,
+        .minimum = 0,
+        .fallback = "10",
+        .doc = "How many earlier windows IQN-ILS learns from, besides the present one.",
+        .example = "4"},
+       {.name = "filter",
+        .kind = Kind::number,
+        .reference = true,
+        .unit = "1",
+        .above = 0,
+        .fallback = "1e-2",
+        .doc =
+            "IQN-ILS forgets an iteration that adds less than this part of itself to newer ones.",
+        .example = "1e-3"},
        {.name = "relax",
         .kind = Kind::name,
         .many = Many::list,
@@ -545,6 +563,12 @@ Object field_keys() {
             .doc = "What happens in transit: a statistic over the first axis, which it removes, or "
                    "linear resampling in time to `samples` rows.",
             .example = "mean"},
+           {.name = "mapping",
+            .kind = Kind::object,
+            .object = "mapping",
+            .fallback = "values arrive at the points they were sent from",
+            .doc = "How the field crosses between points that do not coincide.",
+            .example = "{method: linear, kind: conservative, from_points: tips, to_points: nodes}"},
            {.name = "samples",
             .kind = Kind::count,
             .reference = true,
@@ -559,6 +583,54 @@ Object field_keys() {
             .doc = "Every value before the sender has spoken.",
             .example = "0 m/s"},
            when_key()}};
+}
+
+Object mapping_keys() {
+  return {
+      "mapping",
+      "How a field crosses between points that do not coincide. Both sides' points are fields "
+      "themselves, [points, 2] or [points, 3], and may change from window to window; until both "
+      "have been sent, no row arrives.",
+      {{.name = "method",
+        .kind = Kind::choice,
+        .reference = true,
+        .names = {"nearest", "linear"},
+        .fallback = "linear",
+        .doc = "The value of the nearest point, or barycentric interpolation in the nearest cell.",
+        .example = "nearest"},
+       {.name = "kind",
+        .kind = Kind::choice,
+        .required = true,
+        .names = {"consistent", "conservative"},
+        .doc = "Consistent keeps constants (and linear fields), for displacement and velocity; "
+               "conservative is its transpose and keeps sums (and moments), for forces.",
+        .example = "conservative"},
+       {.name = "from_points",
+        .kind = Kind::name,
+        .required = true,
+        .doc = "The field with the points that the values belong to.",
+        .example = "tips"},
+       {.name = "to_points",
+        .kind = Kind::name,
+        .required = true,
+        .doc = "The field with the points that the receiver wants values at.",
+        .example = "nodes"},
+       {.name = "cells",
+        .kind = Kind::name,
+        .fallback = "points are joined in their order, to a line",
+        .doc = "The field with the segments [cells, 2] or triangles [cells, 3], as numbers of "
+               "points from 0: of the sender for a consistent mapping, of the receiver for a "
+               "conservative one.",
+        .example = "triangles"},
+       {.name = "limit",
+        .kind = Kind::number,
+        .required = true,
+        .reference = true,
+        .unit = "m",
+        .above = 0,
+        .doc = "The longest distance between a point and the other interface; a point further "
+               "away ends the run.",
+        .example = "1 mm"}}};
 }
 
 Object record_keys() {
@@ -719,9 +791,10 @@ std::vector<std::string> Object::key_names() const {
 
 const std::vector<Object>& objects() {
   static const std::vector<Object> all = {
-      workflow_keys(),  parameter_keys(), stage_keys(),  participant_keys(),   coupling_keys(),
-      stability_keys(), field_keys(),     record_keys(), comparison_keys(),    reference_keys(),
-      left_out_keys(),  study_keys(),     points_keys(), work_precision_keys()};
+      workflow_keys(), parameter_keys(),  stage_keys(),         participant_keys(),
+      coupling_keys(), stability_keys(),  field_keys(),         mapping_keys(),
+      record_keys(),   comparison_keys(), reference_keys(),     left_out_keys(),
+      study_keys(),    points_keys(),     work_precision_keys()};
   return all;
 }
 

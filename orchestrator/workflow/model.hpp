@@ -10,6 +10,7 @@
 #include "coupling/relaxation.hpp"
 #include "coupling/scheme.hpp"
 #include "coupling/stability.hpp"
+#include "exchange/mapping.hpp"
 #include "exchange/transform.hpp"
 #include "render/value.hpp"
 
@@ -80,6 +81,16 @@ struct Participant {
 
 using exchange::Transform;
 
+/// How a field crosses between points that do not coincide.
+struct FieldMapping {
+  exchange::MappingMethod method = exchange::MappingMethod::linear;
+  bool conservative = false;
+  std::string from_points;  ///< fields
+  std::string to_points;
+  std::string cells;  ///< may be empty
+  double limit = 0;   ///< m
+};
+
 struct Field {
   std::string name;
   std::string unit;
@@ -88,6 +99,7 @@ struct Field {
   std::string from;
   std::string to;  ///< a participant; empty: recorded only
   Transform transform = Transform::identity;
+  std::optional<FieldMapping> mapping;
   std::int64_t samples = 0;                  ///< rows after Transform::linear
   std::vector<std::int64_t> received_shape;  ///< as the receiver sees it, after the transform
   double initial = 0;                        ///< every value before the sender has spoken
@@ -109,9 +121,11 @@ struct Coupling {
   std::vector<std::string> order;
   Transport transport = Transport::mapped;
   Acceleration acceleration = Acceleration::none;
-  double relaxation = 1;          ///< factor, or the first one
-  double tolerance = 1e-10;       ///< when a serial-implicit window has converged
-  std::int64_t iterations = 100;  ///< that one may take
+  double relaxation = 1;             ///< factor, or the first one
+  std::int64_t reused_windows = 10;  ///< of IQN-ILS
+  double filter = 1e-2;              ///< of IQN-ILS
+  double tolerance = 1e-10;          ///< when a serial-implicit window has converged
+  std::int64_t iterations = 100;     ///< that one may take
   StabilityLimits stability;
   std::vector<Field> fields;
   std::int64_t checkpoint_every = 0;         ///< windows; 0: never

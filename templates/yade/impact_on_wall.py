@@ -4,7 +4,7 @@
 # x runs along the wall, y up, z across; the wall rests at y = 0 and the sphere comes from above. The wall is made of
 # segments (2-D) or triangles (3-D) between points whose displacement and velocity are received. YADE itself would make
 # one contact with every facet that a sphere touches, two over a shared edge, so it is shown one facet: the tangent plane
-# at the point of the wall next to the sphere, placed anew in every step. A smooth wall has one contact.
+# at the place of the wall next to the sphere, put there anew in every step. A smooth wall has one contact.
 
 radius = {{sphere_radius}}                    # m
 impact_velocity = {{impact_velocity}}         # m/s, towards the wall

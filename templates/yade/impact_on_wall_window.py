@@ -37,11 +37,12 @@ for step in range(1, grain_steps + 1):
             moved = [[d + share * window * v for d, v in zip(*one)] for one in zip(displacement, velocity)]
         else:
             moved = displacement
-        cell, weights, foot, distance = wall.nearest(center, moved)
-        if not center[1] > foot[1]:
+        cell, weights = wall.next_to(center)
+        foot, normal = wall.tangent(cell, weights, moved)
+        distance = dot(difference(center, foot), normal)
+        if not distance > 0:
             raise ValueError("the centre of the sphere has passed through the wall at x = %.6g m, %.6g m below its rest"
                              % (foot[0], -center[1]))
-        normal = [(c - f) / distance for c, f in zip(center, foot)]
         wall_state.pos = foot
         wall_state.ori = Quaternion(Vector3(0, 1, 0), Vector3(normal))
         wall_state.vel = [sum(w * velocity[i][k] for w, i in zip(weights, cell)) for k in range(3)]

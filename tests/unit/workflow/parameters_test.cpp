@@ -86,6 +86,23 @@ TEST_F(Parameters, EveryCaseIsCheckedAndTheChoiceComesFirst) {
               ElementsAre(HasSubstr("there is no parameter 'scale'")));
 }
 
+TEST_F(Parameters, MayLimitEachOther) {
+  const std::string text = with(
+      "  beam: {value: 10 mm, unit: mm, above: 0}\n"
+      "  grid: {value: 3 cm, minimum: $beam}\n");
+  EXPECT_NO_THROW((void)project.load(text, {{"beam", "30 mm"}}));
+  for (const Setting& setting : {Setting{"beam", "31 mm"}, Setting{"grid", "9 mm"}}) {
+    const Error error = test::error_of([&] { (void)project.load(text, {setting}); });
+    EXPECT_EQ(error.code(), ExitCode::refused);
+    EXPECT_THAT(error.what(), HasSubstr("command line (--set " + setting.name + ")"));
+    EXPECT_THAT(error.what(), HasSubstr("minimum: 'beam', which is"));
+  }
+  EXPECT_THAT(project.problems(with("  a: {value: 1 mm, below: $b}\n  b: {value: 1 kg}\n")),
+              ElementsAre(HasSubstr("'b' is no limit for 'a'; it is a number in kg")));
+  EXPECT_THAT(project.problems(with("  a: {value: 1 mm, below: $c}\n")),
+              ElementsAre(HasSubstr("there is no parameter 'c'")));
+}
+
 TEST_F(Parameters, AreShownInTheirUnit) {
   EXPECT_EQ(shown(one("{value: 0.1 mm, unit: mm}")), "0.1 mm");
   EXPECT_EQ(shown(one("{value: 17.19 deg, unit: deg}")), "17.19 deg");
