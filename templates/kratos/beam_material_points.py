@@ -151,10 +151,13 @@ def advance():
                 particles[i * len(shares) + s].SetValuesOnIntegrationPoints(Mpm.POINT_LOAD, [Kratos.Vector(list(share * force[i]))], info)
         for _ in range(steps):
             now = solver.AdvanceInTime(now)
-            solver.InitializeSolutionStep()  # searches and predicts as well
+            solver.Predict()  # finds every particle's cell: without it there would be no body, and no word
+            solver.InitializeSolutionStep()
             solver.SolveSolutionStep()
             solver.FinalizeSolutionStep()
     displacement, velocity = means(vectors(Mpm.MPC_DISPLACEMENT)), means(vectors(Mpm.MPC_VELOCITY))
+    if len(force) and numpy.any(force) and not numpy.any(displacement):
+        raise ValueError('Kratos lost the load: nothing moved under %g N' % abs(force).sum())
     participant.send('displacement', displacement[:-1])
     participant.send('velocity', velocity[:-1])
     participant.send('beam_deflection', -displacement[-1, 1])
