@@ -3,6 +3,7 @@
 import csv
 
 import h5py
+import meshio
 import numpy
 
 import sandglass_analysis as sandglass
@@ -18,6 +19,7 @@ with h5py.File({{specimen}}, 'r', locking=False) as file:
     specimen = dict(file.attrs)
     radius = file['radius'][...]
     fallen = file['fallen'][...]
+    start_position = file['position'][...]
 area = specimen['section'] ** 2                         # m2
 bead_mass = specimen['mass_per_fine']                   # kg
 beads_total = int((radius < radius.max()).sum())
@@ -94,6 +96,17 @@ quantity('darcy_residual_max', residual, '1',
          'pressure differences against exact resistances in series, over the whole head')
 quantity('drag_balance_error_max', balance, '1', "sum of the beads' drag against head loss x area x weight of water")
 quantity('porosity_of_cells', record['porosity'][-1], '1', 'of each cell, from below, last window')
+
+
+
+# For ParaView: points with their radii, to be shown as spheres.
+def write_beads(name, position):
+    meshio.write(name, meshio.Mesh(position, [('vertex', numpy.arange(len(position))[:, None])], point_data={'radius': radius}))
+
+
+write_beads('specimen.vtu', start_position)
+if 'position' in record:
+    write_beads('beads_at_the_end.vtu', record['position'][-1, : len(radius)])
 
 curve = sandglass.curve
 curve('eroded_mass', time, mass, 's', 'kg', 'this run', 'computed')

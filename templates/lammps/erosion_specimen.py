@@ -69,6 +69,7 @@ def go_on():
     run(catch_steps)
     put_aside()
     fallen.append((time - start, numpy.count_nonzero(is_aside())))
+    print('%.4f s, %d fell through' % fallen[-1], flush=True)
 
 
 while layer_porosity(wall_height - wall_speed * (time - start)) > porosity:

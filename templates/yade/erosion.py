@@ -46,7 +46,7 @@ def put_back(window):
     random = numpy.random.default_rng([{{seed}}, window])
     for bead, place in zip(aside, loose_places(len(aside), fine_diameter / 2, section, top, {{cloud_porosity}}, random)):
         bead.state.pos = tuple(place)
-        bead.state.blockedDOFs = ''
+        bead.state.blockedDOFs, bead.bounded = '', True
 
 
 O.dt = {{exchange_window}} / math.ceil({{exchange_window}} / ({{time_step_factor}} * PWaveTimeStep()))

@@ -54,6 +54,7 @@ def put_aside():
             bead.state.blockedDOFs = 'xyzXYZ'
             bead.state.vel = bead.state.angVel = Vector3.Zero
             bead.state.pos = aside_place(bead.id)
+            bead.bounded, bead.bound = False, None  # no collider looks at it
 
 
 def aside_place(number):

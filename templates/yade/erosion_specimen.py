@@ -63,6 +63,7 @@ def layer_porosity(top):
 while layer_porosity(wall_height - wall_speed * (O.time - start)) > porosity:
     O.run(catch_steps, True)
     fallen.append((O.time - start, len(fallen_at)))
+    print('%.4f s, %d fell through' % fallen[-1], flush=True)
     if wall_height - wall_speed * (O.time - start) < coarse_top:
         raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
                          % (layer_porosity(coarse_top), layer_base, porosity))
