@@ -33,6 +33,7 @@ def begin():
     for kind, which in ((COARSE, ~is_fine), (FINE, is_fine)):
         place(kind, start[0][which], sizes[kind], *(array[which] for array in start[1:]))
     set_groups()
+    set_laws()
     set_up()
 
 
@@ -43,7 +44,7 @@ def resume(path):
 
 
 def set_up():
-    set_laws()
+    set_pairs()
     set_motion()
     commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
 

@@ -39,7 +39,8 @@ def make_box(top):
 
 def set_lists():
     # Without sorting, a run that is resumed goes on with the same bytes.
-    commands('atom_modify sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes')
+    commands('atom_modify sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes',
+             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2')
 
 
 def place(kind, positions, radius, velocity=None, spin=None):
@@ -60,6 +61,8 @@ def local(name):
 
 def put(name, numbers, values):
     """Writes an array of some beads, by number; each rank those that it has."""
+    if len(numbers) == 0:
+        return
     order = numpy.argsort(numbers)
     at = numpy.minimum(numpy.searchsorted(numbers, local('id'), sorter=order), len(numbers) - 1)
     found = numbers[order[at]] == local('id')
@@ -73,12 +76,16 @@ def beads(name):
     return numpy.concatenate([part[1] for part in parts])[numpy.argsort(numbers)]
 
 
+PAIRS = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE)]
+
+
 def set_laws():
-    pairs = [(FINE, FINE), (COARSE, COARSE), (FINE, COARSE)]
-    commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in pairs),
-             *('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(pairs)),
-             'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2',
-             'neigh_modify exclude group aside all')
+    commands('pair_style hybrid ' + ' '.join(pair_law(stiffness(sizes[a], sizes[b])) for a, b in PAIRS))
+
+
+# A state brings its laws along, with the friction of every contact, but not which pairs of sizes they are for.
+def set_pairs():
+    commands(*('pair_coeff %d %d gran/hooke/history %d' % (*pair, number + 1) for number, pair in enumerate(PAIRS)))
 
 
 def set_groups():
@@ -142,7 +149,7 @@ def set_motion():
             commands('fix x_%s %s wall/gran %s xplane 0 %.17g' % (group, group, wall, section),
                      'fix y_%s %s wall/gran %s yplane 0 %.17g' % (group, group, wall, section))
     set_plate()
-    commands('fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
+    commands('neigh_modify exclude group aside all', 'fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
     set_damping()
 
 

@@ -24,6 +24,7 @@ make_box(coarse_places[:, 2].max() + 0.05)
 place(COARSE, coarse_places, coarse_diameter / 2)
 set_groups()
 set_laws()
+set_pairs()
 set_motion()
 commands('thermo_modify lost error')
 p_wave_time = math.sqrt(density * density_scaling / young)  # over a length of 1 m

@@ -81,7 +81,7 @@ def loose_places(count, radius, width, base, porosity, random):
         raise ValueError("a bead of radius %g m does not fit on a width of %g m" % (radius, width))
     side = width / per_side
     box = numpy.array([side, side, max(diameter, volume / side**2)])
-    layers = -(-count // per_side**2)
+    layers = max(1, -(-count // per_side**2))
     sites = numpy.concatenate([layer * per_side**2 + random.permutation(per_side**2) for layer in range(layers)])[:count]
     layer, site = numpy.divmod(sites, per_side**2)
     corners = numpy.column_stack((site % per_side, site // per_side, layer)) * box

@@ -71,7 +71,7 @@ class Cells(unittest.TestCase):
         self.assertAlmostEqual(kozeny_carman(0.37, 6 / (2500 * 0.346e-3), 2500), 0.00134, delta=0.5e-5)
 
     def test_loose_places_do_not_touch(self):
-        for count, porosity in ((7, 0.8), (900, 0.55), (1, 0.7)):
+        for count, porosity in ((7, 0.8), (900, 0.55), (1, 0.7), (0, 0.7)):
             places = loose_places(count, 0.173e-3, 6e-3, 2e-3, porosity, numpy.random.default_rng(1))
             self.assertEqual(places.shape, (count, 3))
             apart = numpy.linalg.norm(places[:, None] - places, axis=2)[~numpy.eye(count, dtype=bool)]
