@@ -224,6 +224,25 @@ def heads_of_halves(k):
     return loss / (loss.sum() + FINE_LAYER)
 
 
+class Checkpoints(Case):
+    """The state that a checkpoint holds is complete: what is on its way, aside, or held by friction."""
+
+    # Few beads in a layer so loose that the wall stops at once.
+    QUICK = dict(scale="small", fine_beads=1000, layer_porosity=0.75, window="0.01 s", end_time="0.02 s")
+
+    def assert_replayed(self, dem):
+        self.assert_code(self.sandglass("run", WORKFLOW, *sets(dem=dem, **self.QUICK), out=dem), DONE)
+        self.assert_code(self.sandglass("replay", self.place.join(dem), "--window", "2"), DONE)
+
+    def test_of_yade(self):
+        self.assert_replayed("yade")
+
+    @unittest.skipUnless(os.path.exists(os.path.join(HOME, ".build", "solvers", "lammps", "installed")),
+                         "LAMMPS is not installed: ./sandglass setup lammps")
+    def test_of_lammps(self):
+        self.assert_replayed("lammps")
+
+
 class Options(Case):
     def test_every_option_is_understood(self):
         for name, values in OPTIONS.items():
