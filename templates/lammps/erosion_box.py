@@ -46,6 +46,7 @@ def set_lists():
 def place(kind, positions, radius, velocity=None, spin=None):
     """Makes beads, numbered on from those there are, at rest unless told otherwise."""
     first, count = int(lmp.get_natoms()) + 1, len(positions)
+    lmp.command('create_atoms 1 random 0 1 NULL')  # none: but copies of beads beyond a periodic side are forgotten before
     lmp.create_atoms(count, list(range(first, first + count)), [kind] * count, numpy.ascontiguousarray(positions).ravel())
     commands('group new id %d:%d' % (first, first + count - 1),
              'set group new diameter %.17g density %.17g' % (2 * radius, density * density_scaling))
