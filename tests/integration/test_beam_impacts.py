@@ -101,15 +101,17 @@ class SingleImpact(Case):
         record = self.runs["predicted"].record
         total = record["sphere_energy"].sum(1) + record["beam_energy"].sum(1)
         mass = 4 / 3 * math.pi * 0.01**3 * 7960
-        numpy.testing.assert_allclose(total, mass * 0.01**2 / 2, rtol=1e-3)
+        # During the contact its energy is that of the wall as predicted: first order in the window, 0.35 % measured.
+        numpy.testing.assert_allclose(total, mass * 0.01**2 / 2, rtol=5e-3)
+        numpy.testing.assert_allclose(total[-50:], mass * 0.01**2 / 2, rtol=1e-4)
         self.assertGreater(record["sphere_energy"][:, 1].max(), 0.1 * total[0])
 
 
 class Contact(Case):
-    """YADE's contact with a wall that all but stands still: a beam a million times denser."""
+    """YADE's contact with a wall that all but stands still: a beam a thousand million times denser."""
 
     def test_hertz_on_a_flat_wherever_the_sphere_strikes(self):
-        rigid = dict(SHORT, beam_density=7.96e9)
+        rigid = dict(SHORT, beam_density=7.96e12)
         # On a node of the wall, which two of its segments share; between nodes; and next to one.
         runs = together(*(functools.partial(self.sandglass, "run", SINGLE, *sets(**rigid, impact_offset=offset), out="at" + str(i))
                           for i, offset in enumerate(("0 mm", "1.279 mm", "0.001 mm"))))
@@ -182,7 +184,8 @@ class Reference(unittest.TestCase):
             for name in names:
                 ours, stored = (numpy.loadtxt(os.path.join(where, name), delimiter=",", skiprows=2)
                                 for where in (made, folder))
-                numpy.testing.assert_allclose(ours, stored, rtol=1e-6, atol=1e-6 * abs(stored).max(axis=0), err_msg=name)
+                size = abs(stored).max(axis=0)
+                numpy.testing.assert_allclose(ours / size, stored / size, atol=1e-6, err_msg=name)
         for printed in ("4.92214", "0.158851", "-2.98979", "8.87081", "1.79145", "3.25802"):
             self.assertIn(printed, said)
 
