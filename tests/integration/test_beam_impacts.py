@@ -140,6 +140,28 @@ class MultipleImpacts(Case):
         numpy.testing.assert_allclose(peaks[1:], [11.6308, 6.6380], rtol=0.2)
 
 
+class Kratos(Case):
+    """The paper's own code, as another participant of the same workflow."""
+
+    @unittest.skipUnless(os.path.exists(os.path.join(HOME, ".build", "solvers", "kratos", "bin", "python")),
+                         "optional: ./sandglass setup kratos")
+    def test_kratos_and_our_material_points_agree(self):
+        same = dict(time_step="1e-6 s", end_time="20 us", points_along=240, points_through=16)
+        kratos, ours = together(*(functools.partial(self.sandglass, "run", SINGLE, *sets(**same, **one), out=one["continuum"])
+                                  for one in (dict(continuum="kratos"), dict(continuum="mpm", integration="implicit"))))
+        self.assert_code(kratos, DONE)
+        self.assert_code(ours, DONE)
+        for field in ("contact_force", "beam_deflection"):
+            values = ours.record[field]
+            numpy.testing.assert_allclose(kratos.record[field], values, atol=1e-4 * abs(values).max(), err_msg=field)
+
+    @unittest.skipIf(os.path.exists(os.path.join(HOME, ".build", "solvers", "kratos", "bin", "python")), "it is installed")
+    def test_without_kratos_the_command_to_install_it_is_told(self):
+        run = self.sandglass("run", SINGLE, *sets(**SHORT, continuum="kratos"), out="missing")
+        self.assert_failed(run, PARTICIPANT, "failed", windows=0)
+        self.assert_said(run, "kratos is not installed: run './sandglass setup kratos'")
+
+
 class BadInput(Case):
     def test_geometry_that_cannot_be_is_refused_before_any_solver_starts(self):
         for wrong, words in ((dict(gap="-0.1 mm"), "'gap' is -0.1 mm"),
