@@ -32,11 +32,13 @@ total = sum(energies.values())
 intervals, peaks = contacts(time, force)
 touched = len(peaks) > 0
 over = touched and force[-1] == 0
+rising = len(peaks) == 1 and force[-1] == peaks[0]  # the run ends before the force is at its largest
 
 sandglass.quantity('contact_force_peaks', peaks, 'N', 'largest force of every contact')
 sandglass.quantity('contact_intervals', intervals, 's', 'begin and end of every contact')
 sandglass.quantity('contacts', len(peaks), '1', 'how many')
-sandglass.quantity('first_peak_force', peaks[0] if touched else None, 'N', 'largest force of the first contact')
+sandglass.quantity('first_peak_force', peaks[0] if touched and not rising else None, 'N',
+                   'largest force of the first contact')
 sandglass.quantity('first_contact_length', intervals[0][1] - intervals[0][0] if over else None, 's',
                    'how long the first contact lasts')
 sandglass.quantity('rebound_velocity', sphere_velocity[-1] if over else None, 'm/s',
