@@ -56,4 +56,10 @@ SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
 Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,
                      double interval);
 
+/// Seconds from `sandglass resume` to the first new window, of the sphere killed at some moment.
+double resume_seconds(const run::Home& home, const std::string& folder);
+
+/// Seconds that `sandglass study` takes when everything is there already.
+double idle_study_seconds(const run::Home& home, const std::string& folder);
+
 }  // namespace sandglass::bench

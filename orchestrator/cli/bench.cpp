@@ -55,6 +55,7 @@ constexpr std::array<Promise, 3> kPromises = {
     {{10, 5000, 30e-6, 10e-6}, {1000, 5000, 45e-6, 20e-6}, {100'000, 400, 800e-6, 0}}};
 constexpr double kRecordRate = 1e9;   // bytes/s
 constexpr double kAgainstIcy = 5000;  // times
+constexpr double kIdleStudy = 0.2;    // s
 constexpr double kInterval = 0.1;     // s between two looks of the stand-in for ICY
 
 std::string microseconds(const bench::Spread& spread) {
@@ -137,6 +138,14 @@ void show_sphere(const run::Home& home, const std::string& folder, std::int64_t 
   fmt::print("  start to the end of the first window: {:.2f} s\n", resident.start);
 }
 
+void show_commands(const run::Home& home, const std::string& folder) {
+  fmt::print("\nresume of the sphere, from the command to the first new window: {:.2f} s\n",
+             bench::resume_seconds(home, folder));
+  const double idle = bench::idle_study_seconds(home, folder);
+  fmt::print("study with nothing left to do: {:.3f} s, at most {}: {}\n", idle, kIdleStudy,
+             verdict(idle <= kIdleStudy));
+}
+
 ExitCode execute(const Options& options) {
   Interrupt::install();
   const run::Home home = run::Home::find();
@@ -148,6 +157,7 @@ ExitCode execute(const Options& options) {
   if (options.wants("exchange")) show_exchange(home, scratch.path(), divisor);
   if (options.wants("record")) show_record(scratch.path(), divisor);
   if (options.wants("sphere")) show_sphere(home, scratch.path(), divisor);
+  if (options.wants("commands")) show_commands(home, scratch.path());
   fmt::print("\nload {} at the end\n", load());
   return ExitCode::done;
 }
@@ -160,9 +170,9 @@ void add_bench(CLI::App& app, Session& session) {
                             "  sandglass bench\n"
                             "  sandglass bench exchange record\n"
                             "  sandglass bench --short --folder /dev/shm");
-  verb->add_option("part", options->parts, "exchange, record, sphere (default: all)")
+  verb->add_option("part", options->parts, "exchange, record, sphere, commands (default: all)")
       ->type_name("PART")
-      ->check(CLI::IsMember({"exchange", "record", "sphere"}));
+      ->check(CLI::IsMember({"exchange", "record", "sphere", "commands"}));
   verb->add_option("--folder", options->folder,
                    "the disk to measure with (default: the folder of temporary files)")
       ->type_name("DIR")

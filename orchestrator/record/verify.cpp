@@ -22,6 +22,10 @@ bool is_file(const Json& type) {
 std::map<std::string, std::string> digests_in(const std::string& text, const std::string& path) {
   const Json crate = Json::parse(text, nullptr, false);
   std::map<std::string, std::string> digests;
+  const auto refuse = [&] { return Error::environment("'" + path + "' cannot be understood"); };
+  if (!crate.is_object() || !crate.contains("@graph") || !crate["@graph"].is_array()) {
+    throw refuse();
+  }
   try {
     for (const Json& entity : crate.at("@graph")) {
       if (!entity.contains("sha256") || !is_file(entity.at("@type"))) continue;
@@ -29,7 +33,7 @@ std::map<std::string, std::string> digests_in(const std::string& text, const std
           entity.at("sha256").get<std::string>();
     }
   } catch (const Json::exception&) {
-    throw Error::environment("'" + path + "' cannot be understood");
+    throw refuse();
   }
   return digests;
 }
