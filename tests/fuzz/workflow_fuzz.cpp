@@ -1,5 +1,6 @@
 // Any bytes may be a workflow: it is read, or refused by an Error.
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/error.hpp"
