@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -60,10 +61,13 @@ UsedProgram identify(const std::string& name, const std::string& program,
 nlohmann::json describe_machine() {
   utsname system{};
   ::uname(&system);
+  double load = 0;
+  ::getloadavg(&load, 1);
   return {{"name", system.nodename},
           {"system", first_value("/etc/os-release", "PRETTY_NAME") + ", " + system.sysname + " " +
                          system.release + " " + system.machine},
           {"processor", first_value("/proc/cpuinfo", "model name")},
+          {"load", load},
           {"cores", ::sysconf(_SC_NPROCESSORS_ONLN)},
           {"memory_bytes", static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
                                static_cast<double>(::sysconf(_SC_PAGE_SIZE))}};

@@ -37,7 +37,7 @@ UsedProgram identify(const std::string& name, const std::string& program,
 /// Version of an installed Debian package; empty when it is not installed.
 std::string package_version(const std::string& package);
 
-/// Name, system, processor, cores and memory of this machine.
+/// Name, system, processor, cores, memory and load (average of a minute) of this machine.
 nlohmann::json describe_machine();
 
 /// The environment variables that can change what a solver computes (OMP_*, FF_*, PYTHON*, LANG,

@@ -25,10 +25,9 @@ Json read_json(const std::string& path) {
   }
 }
 
-Json seconds_of(const std::string& run, const report::Result& result) {
+Json seconds_of(const Json& provenance, const report::Result& result) {
   Json seconds = Json::object();
   if (result.wall_time_s) seconds["run"] = *result.wall_time_s;
-  const Json provenance = read_json(run + "/provenance.json");
   if (!provenance.contains("timings")) return seconds;
   const Json& timings = provenance.at("timings");
   for (const char* one : {"start", "report", "orchestrator"}) {
@@ -64,13 +63,14 @@ Json row_to_json(const Row& row, const StudyDirectory& directory) {
               {"good", row.outcome.good(point)}};
   if (!row.outcome.result) return one;
   const report::Result& result = *row.outcome.result;
-  const std::string run = directory.run_of(row.run);
+  const Json provenance = read_json(directory.run_of(row.run) + "/provenance.json");
   one["status"] = result.status;
   one["exit_code"] = result.exit_code;
   one["error"] = result.error;
   one["windows"] = result.windows;
   one["parameters"] = row.parameters;
-  one["seconds"] = seconds_of(run, result);
+  one["seconds"] = seconds_of(provenance, result);
+  if (provenance.contains("host")) one["load"] = provenance.at("host").value("load", Json());
   one["quantities"] = Json::object();
   for (const auto& [name, quantity] : result.quantities) {
     one["quantities"][name] = value_of(quantity.value);

@@ -20,7 +20,8 @@ struct Row {
 ///   {"format": 1, "points": [{"name", "set", "label", "sample_of", "repetition", "expect",
 ///     "run" (its run directory, relative to the summary's), "status", "exit_code", "good",
 ///     "error", "windows", "parameters": {NAME: SI value}, "seconds": {"run", "start", "report",
-///     "orchestrator", STAGE.., PARTICIPANT..}, "quantities": {NAME: value}, "notes": [text]}]}
+///     "orchestrator", STAGE.., PARTICIPANT..}, "load" (of the machine at its end), "quantities":
+///     {NAME: value}, "notes": [text]}]}
 /// Of a point without a result there are only the first seven, and "good": false.
 std::string table_to_json(const std::vector<Row>& rows, const StudyDirectory& directory);
 

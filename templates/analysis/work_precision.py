@@ -66,11 +66,10 @@ for (method, setting), pairs in samples.items():
     seconds, errors = zip(*pairs)
     rows.append((statistics.median(seconds), statistics.median(errors), method, setting, spread(seconds),
                  spread(errors), len(pairs)))
-rows.sort()
 
 # Nobody is both faster and more accurate (a logarithmic axis has no place for an exact agreement).
 frontier, best = [], math.inf
-for row in rows:
+for row in sorted(rows):
     if row[1] < best:
         frontier.append(row)
         best = row[1]
@@ -79,7 +78,7 @@ for row in rows:
 
 short = error_name if len(error_name) <= 60 else error_name[:60]
 names = []
-for number, method in enumerate(sorted({row[2] for row in rows}), 1):
+for number, method in enumerate(dict.fromkeys(row[2] for row in rows), 1):  # in the study's order, as its lines are
     mine = [row for row in rows if row[2] == method and row[1] > 0]
     if not mine:
         continue
@@ -101,6 +100,10 @@ caption = ('Error: %s%s. Seconds: %s; medians' % (
 caption += ' and standard deviations of %s runs per point.' % ' to '.join(
     '%d' % n for n in sorted({counts[0], counts[-1]})) if counts[-1] > 1 else ' are single runs.'
 caption += ' On the frontier nothing is both faster and more accurate.'
+loads = sorted(point.load for point in points if point.load is not None)
+if loads:
+    caption += (' Load of the machine when runs ended: %.1f to %.1f waiting or running processes, the run itself among them.'
+                % (loads[0], loads[-1]))
 if left_out:
     caption += ' Without a result and not shown: %s.' % '; '.join(left_out[:10])
 if names:

@@ -99,7 +99,8 @@ class Point:
 
     name, set (of points), label ("window=1 ms, seed=2"), sample_of (the label without seeds and repetition),
     repetition, expect ("done" or "unstable"), good (it ended as expected), status and exit_code (None without a
-    result), error, windows, parameters (SI), seconds (of the run, stages, participants), quantities, notes.
+    result), error, windows, parameters (SI), seconds (of the run, stages, participants), load (of the
+    machine when it ended: processes waiting or running, on average over a minute), quantities, notes.
     """
 
     def __init__(self, row, folder):
@@ -110,6 +111,7 @@ class Point:
         self.error, self.windows = row.get("error", ""), row.get("windows", 0)
         self.parameters, self.seconds = row.get("parameters", {}), row.get("seconds", {})
         self.quantities, self.notes = row.get("quantities", {}), row.get("notes", [])
+        self.load = row.get("load")
         self.run = os.path.join(folder, row["run"])
 
     def record(self):
