@@ -16,9 +16,13 @@ RESIDENT = os.path.join(TEMPLATES, "yade", "resident.py")
 
 
 def render(template, values):
-    """A template with plain {{name}} only, which is all that the tests here need."""
+    """A template with {{name}} and sections that do not nest, which is all that the tests here need."""
     with open(os.path.join(TEMPLATES, template)) as file:
-        return re.sub(r"\{\{(\w+)\}\}", lambda match: repr(values[match.group(1)]), file.read())
+        text = file.read()
+    text = re.sub(r"\{\{([#^])(\w+)\}\}\n(.*?)\{\{/\2\}\}\n",
+                  lambda match: match.group(3) if values[match.group(2)] == (match.group(1) == "#") else "", text,
+                  flags=re.DOTALL)
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: repr(values[match.group(1)]), text)
 
 
 def write(path, text):

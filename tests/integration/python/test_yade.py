@@ -19,6 +19,7 @@ SPHERE = {
     "numerical_damping": 0.0,
     "time_step": 1e-3,
     "grain_steps": 1,
+    "contact_detection": True,
 }
 VISCOSITY = 1e-3
 
