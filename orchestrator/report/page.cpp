@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
+#include "record/crate.hpp"
 #include "render/template.hpp"
 #include "report/page_sections.hpp"
 
@@ -98,14 +99,15 @@ Value::List table_values(const Analysis& analysis) {
   return tables;
 }
 
-/// What lies in the run directory, and the stages' own files, to open.
+/// What lies in the run directory, and the stages' own files, to open. The crate is written when
+/// the page is there, whose digest it holds.
 Value::List file_values(const std::string& run_directory) {
-  std::vector<std::string> names;
+  std::vector<std::string> names = {record::kCrateFile};
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(run_directory, error)) {
     const std::string name = entry.path().filename().string();
     if (name.front() == '.' || name == "report.html" || name == "lock") continue;
-    if (name.ends_with(".part")) continue;
+    if (name.ends_with(".part") || name == record::kCrateFile) continue;
     names.push_back(entry.is_directory(error) ? name + "/" : name);
   }
   for (const std::string& stage : analysed_stages(run_directory)) {
