@@ -164,7 +164,9 @@ Banner banner_of(const Result& result) {
       skipped == 0 ? ""
                    : fmt::format(", {} skipped because it does not apply to this run", skipped);
   if (result.status == "done") {
-    std::string sentence = fmt::format("Done: {}{}", windows, time);
+    // A study's summary has no windows of its own.
+    std::string sentence =
+        result.windows > 0 ? fmt::format("Done: {}{}", windows, time) : "Done" + time;
     if (passed == 1) sentence += "; the one comparison made is within tolerance";
     if (passed > 1)
       sentence += fmt::format("; all {} comparisons made are within tolerance", passed);
@@ -286,8 +288,8 @@ Value::List parameter_rows(const json& workflow) {
 
 std::string time_summary(const Result& result) {
   if (!result.wall_time_s) return {};
-  std::string text = fmt::format("{} of wall time for {}", pretty_seconds(*result.wall_time_s),
-                                 plural(result.windows, "window"));
+  std::string text = pretty_seconds(*result.wall_time_s) + " of wall time";
+  if (result.windows > 0) text += " for " + plural(result.windows, "window");
   if (result.overhead_s_per_window && std::isfinite(*result.overhead_s_per_window)) {
     text += fmt::format(
         "; the coupling itself took {} per window beside what the participants computed",
