@@ -96,6 +96,14 @@ def set_groups():
 # The plate: bars both ways, flat, with their tops at the height 0. Beads may be where they are outside of all bars. Of the
 # fine ones only those near it are looked at.
 def set_plate():
+    if 'plate' not in lmp.available_ids('region'):
+        make_bars()
+    for group, kind in (('near', FINE), ('coarse', COARSE)):
+        commands('fix plate_%s %s wall/gran/region %s region plate'
+                 % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))
+
+
+def make_bars():
     width, names = hole_pitch - hole, []
     for along in 'xy':
         for middle in numpy.arange(round(section / hole_pitch) + 1) * hole_pitch:
@@ -106,9 +114,6 @@ def set_plate():
             names.append('bar%d' % len(names))
             commands('region %s block %s %.17g %.17g side out units box' % (names[-1], faces, -fine_diameter / 2, top))
     commands('region plate intersect %d %s' % (len(names), ' '.join(names)))
-    for group, kind in (('near', FINE), ('coarse', COARSE)):
-        commands('fix plate_%s %s wall/gran/region %s region plate'
-                 % (group, group, wall_law(stiffness(sizes[kind], 2 * sizes[kind]))))
 
 
 # Anew before any bead that was far can have come near.
@@ -152,6 +157,12 @@ def set_motion():
     set_plate()
     commands('neigh_modify exclude group aside all', 'fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
     set_damping()
+
+
+def unset_motion():
+    own = {'motion', 'weight', 'keep', 'drag', 'damping'}
+    commands(*('unfix ' + name for name in lmp.available_ids('fix')
+               if name in own or name.startswith(('x_', 'y_', 'plate_'))))
 
 
 def set_damping():

@@ -19,7 +19,9 @@ random = numpy.random.default_rng({{seed}})
 
 {{> lammps/erosion_box.py}}
 
-coarse_places = loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.8, random)
+# Coarse beads, with a friction of their own until they rest.
+coarse_places = loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.9, random)
+final_friction_angle, friction_angle = friction_angle, {{coarse_friction_angle}}
 make_box(coarse_places[:, 2].max() + 0.05)
 place(COARSE, coarse_places, coarse_diameter / 2)
 set_groups()
@@ -38,7 +40,6 @@ def run(steps):
     time += steps * step
 
 
-# Coarse beads, until they rest.
 step = {{time_step_factor}} * coarse_diameter / 2 * p_wave_time
 commands('timestep %.17g' % step)
 while time < 0.5 or abs(beads('v')).max() > 1e-3:
@@ -46,6 +47,12 @@ while time < 0.5 or abs(beads('v')).max() > 1e-3:
     if time > 20:
         raise SystemExit('the coarse beads do not come to rest within 20 s')
 coarse_top = beads('x')[:, 2].max() + coarse_diameter / 2
+print('coarse beads at rest after %.2f s, up to %.2f mm' % (time, 1e3 * coarse_top), flush=True)
+friction_angle = final_friction_angle
+unset_motion()
+set_laws()
+set_pairs()
+set_motion()
 
 # Fine beads, below a wall that comes down.
 fine_places = loose_places(fine_beads, fine_diameter / 2, section, coarse_top, cloud_porosity, random)

@@ -29,15 +29,20 @@ def speed(numbers):
     return max(O.bodies[number].state.vel.norm() for number in numbers)
 
 
-# Coarse beads, until they rest.
+# Coarse beads, with a friction of their own until they rest.
+O.materials[glass].frictionAngle = {{coarse_friction_angle}}
 coarse_ids = [add_bead(place, coarse_diameter / 2)
-              for place in loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.8, random)]
+              for place in loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.9, random)]
 O.dt = time_step_factor * PWaveTimeStep()
 while O.time < 0.5 or speed(coarse_ids) > 1e-3:
     O.run(200, True)
     if O.time > 20:
         raise SystemExit('the coarse beads do not come to rest within 20 s')
 coarse_top = heights(coarse_ids).max() + coarse_diameter / 2
+print('coarse beads at rest after %.2f s, up to %.2f mm' % (O.time, 1e3 * coarse_top), flush=True)
+O.materials[glass].frictionAngle = friction_angle
+for contact in O.interactions:
+    contact.phys.tangensOfFrictionAngle = math.tan(friction_angle)
 
 # Fine beads, under the wall.
 places = loose_places(fine_beads, fine_diameter / 2, section, coarse_top, cloud_porosity, random)
