@@ -21,4 +21,9 @@ class SystemClock final : public Clock {
 /// The date and time now, UTC, as "2026-11-22T14:03:33Z".
 std::string date_and_time();
 
+/// Seconds since the begin of 1970, UTC, by the machine's calendar.
+double seconds_since_1970();
+/// The same moment in words, "2026-11-22T14:03:33.250000+00:00".
+std::string date_and_time(double seconds_since_1970);
+
 }  // namespace sandglass

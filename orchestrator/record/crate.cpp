@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// More than so many actions of one participant help nobody: longer intervals are described.
-constexpr std::int64_t kMostIntervals = 100;
+constexpr std::int64_t kMostIntervals = 1000;
 constexpr const char* kWorkflow = "workflow.yaml";
 
 Json reference(const std::string& id) { return {{"@id", id}}; }
@@ -83,8 +83,10 @@ class Crate {
         result_(read_json(directory + "/result.json")),
         files_(files_of_crate(directory)) {
     for (const Json& script : list(provenance_, "scripts")) {
-      digests_[script.value("path", "")] = script.value("digest", "");
-      scripts_of_[script.value("participant", "")].push_back(id_of_path(script.value("path", "")));
+      const std::string path = script.value("path", "");
+      digests_[path] = script.value("digest", "");
+      const Windows windows = script.value("windows", Windows{});
+      scripts_of_[script.value("participant", "")].push_back({id_of_path(path), windows});
     }
   }
 
@@ -107,6 +109,22 @@ class Crate {
   }
 
  private:
+  /// First and last window, of as many intervals as there are; none: all windows.
+  using Windows = std::vector<std::pair<std::int64_t, std::int64_t>>;
+  struct Script {
+    std::string id;
+    Windows windows;
+    [[nodiscard]] bool used_in(std::int64_t first, std::int64_t last) const {
+      return windows.empty() || std::any_of(windows.begin(), windows.end(), [&](const auto& one) {
+               return one.first <= last && one.second >= first;
+             });
+    }
+  };
+  /// Begin and end of an action, in words.
+  struct Times {
+    std::string began, ended;
+  };
+
   static Json list(const Json& json, const char* key) {
     const auto found = json.find(key);
     return found != json.end() && found->is_array() ? *found : Json::array();
@@ -120,6 +138,25 @@ class Crate {
   [[nodiscard]] std::string time(const char* which) const {
     const std::string text = provenance_.value(which, "");
     return text.ends_with("Z") ? text.substr(0, text.size() - 1) + "+00:00" : text;
+  }
+  [[nodiscard]] Times times_of_run() const { return {time("started"), time("ended")}; }
+
+  /// Those of the whole run where the stage's own are not known: made before the run was resumed.
+  [[nodiscard]] Times times_of_stage(const std::string& name) const {
+    const Json stages = provenance_.value("stages", Json::object());
+    const Json stage = stages.value(name, Json::object());
+    const double ended = stage.value("ended", 0.0);
+    if (ended <= 0) return times_of_run();
+    return {date_and_time(stage.value("began", 0.0)), date_and_time(ended)};
+  }
+
+  std::vector<std::string> scripts_in(const std::string& whose, std::int64_t first,
+                                      std::int64_t last) {
+    std::vector<std::string> ids;
+    for (const Script& script : scripts_of_[whose]) {
+      if (script.used_in(first, last)) ids.push_back(script.id);
+    }
+    return ids;
   }
 
   void add_profiles() {
@@ -220,8 +257,8 @@ class Crate {
     const bool done = !made.empty() || !scripts_of_[name].empty();
     const std::string action = "#stage-" + name;
     if (done) {
-      add_action(action, "stage " + name, "the stage was run once", program, scripts_of_[name],
-                 made);
+      add_action(action, "stage " + name, "the stage was run once", times_of_stage(name), program,
+                 scripts_in(name, 0, 0), made);
     }
     add_step(name, "stage", program, done ? std::vector{action} : std::vector<std::string>{});
   }
@@ -235,47 +272,69 @@ class Crate {
     if (every <= 0) every = std::max<std::int64_t>(windows, 1);
     every *= std::max<std::int64_t>(
         1, (windows + every * kMostIntervals - 1) / (every * kMostIntervals));
-    const std::vector<double> work = seconds_of(name, windows);
+    const std::vector<double> work = column(name, windows);
+    const std::vector<double> began = column("began", windows);
+    const std::vector<double> ended = column("ended", windows);
     const double window = coupling.value("window_s", 0.0);
     std::vector<std::string> actions;
     for (std::int64_t first = 1; first <= windows; first += every) {
       const std::int64_t last = std::min(windows, first + every - 1);
+      const auto begin = static_cast<std::size_t>(first - 1);
+      const auto end = static_cast<std::size_t>(last);
       double seconds = 0;
-      for (std::int64_t k = first; k <= last; ++k) {
-        if (static_cast<std::size_t>(k) <= work.size()) {
-          seconds += work[static_cast<std::size_t>(k - 1)];
-        }
-      }
+      for (std::size_t k = begin; k < std::min(end, work.size()); ++k) seconds += work[k];
+      const Times times = end <= ended.size()
+                              ? Times{date_and_time(began[begin]), date_and_time(ended[end - 1])}
+                              : times_of_run();
       actions.push_back(fmt::format("#{}-windows-{}-{}", name, first, last));
       add_action(
           actions.back(), fmt::format("{}, windows {} to {}", name, first, last),
           fmt::format("physical time {:g} s to {:g} s, {:g} s of work",
                       static_cast<double>(first - 1) * window, static_cast<double>(last) * window,
                       seconds),
-          program, scripts_of_[name],
+          times, program, scripts_in(name, first, last),
           has("record.h5") ? std::vector<std::string>{"record.h5"} : std::vector<std::string>{});
     }
     add_step(name, "participant of the coupling", program, actions);
+    for (const Script& script : scripts_of_[name]) {
+      if (!script.windows.empty()) add_windows(script, name);
+    }
   }
 
-  [[nodiscard]] std::vector<double> seconds_of(const std::string& participant,
-                                               std::int64_t windows) const {
+  /// Which windows of an interval a script was made for.
+  void add_windows(const Script& script, const std::string& participant) {
+    const std::string id = fmt::format("#windows-of-{}-{}", script.id, participant);
+    std::string text;
+    for (const auto& [first, last] : script.windows) {
+      text += fmt::format("{}{}", text.empty() ? "" : " ", first);
+      if (last > first) text += fmt::format("-{}", last);
+    }
+    graph_.push_back({{"@id", id},
+                      {"@type", "PropertyValue"},
+                      {"name", "windows of " + participant},
+                      {"value", text}});
+    windows_of_[script.id].push_back(id);
+  }
+
+  /// A column of the record's timings.
+  [[nodiscard]] std::vector<double> column(const std::string& name, std::int64_t windows) const {
     if (!has("record.h5") || windows == 0) return {};
     const hdf5::File record(directory_ + "/record.h5", hdf5::File::Mode::read);
-    const std::string column = "/timings/" + participant;
-    if (!record.exists(column)) return {};
-    return record.read_numbers(column, std::min(windows, record.shape(column).at(0)));
+    const std::string path = "/timings/" + name;
+    if (!record.exists(path)) return {};
+    return record.read_numbers(path, std::min(windows, record.shape(path).at(0)));
   }
 
   void add_action(const std::string& id, const std::string& name, const std::string& description,
-                  const std::string& instrument, const std::vector<std::string>& objects,
+                  const Times& times, const std::string& instrument,
+                  const std::vector<std::string>& objects,
                   const std::vector<std::string>& results) {
     graph_.push_back({{"@id", id},
                       {"@type", "CreateAction"},
                       {"name", name},
                       {"description", description},
-                      {"startTime", time("started")},
-                      {"endTime", time("ended")},
+                      {"startTime", times.began},
+                      {"endTime", times.ended},
                       {"actionStatus", kCompleted},
                       {"instrument", reference(instrument)},
                       {"object", references(objects)},
@@ -290,7 +349,8 @@ class Crate {
       if (has(file)) results.emplace_back(file);
     }
     add_action("#run", "run of " + workflow_.value("name", ""),
-               "the whole workflow, orchestrated by Sandglass", kWorkflow, values_, results);
+               "the whole workflow, orchestrated by Sandglass", times_of_run(), kWorkflow, values_,
+               results);
     const std::string error = result_.value("error", "");
     // A comparison out of tolerance is a result, not a failure of the run.
     constexpr int mismatch = 6;
@@ -319,6 +379,9 @@ class Crate {
           {"encodingFormat", format_of(file)},
           {"contentSize", std::to_string(std::filesystem::file_size(path))},
           {"sha256", digests_.contains(file) ? digests_.at(file) : digest_of_file(path)}};
+      if (const auto windows = windows_of_.find(id_of_path(file)); windows != windows_of_.end()) {
+        entity["additionalProperty"] = references(windows->second);
+      }
       if (file == kWorkflow) {
         workflow_file_ = entity;
         continue;
@@ -387,7 +450,8 @@ class Crate {
   Json result_;
   std::vector<std::string> files_;
   std::map<std::string, std::string> digests_;  ///< of scripts, from when they were rendered
-  std::map<std::string, std::vector<std::string>> scripts_of_;
+  std::map<std::string, std::vector<Script>> scripts_of_;
+  std::map<std::string, std::vector<std::string>> windows_of_;  ///< a script's
   Json workflow_file_;
   Json graph_ = Json::array();
   std::vector<std::string> profiles_;

@@ -77,7 +77,8 @@ class WindowScript {
     if (changes_) {
       values_["window"] = Value::Map{{"index", index}, {"begin", begin}, {"end", end}};
     }
-    return scripts_.render(participant_.name, participant_.window_template_path, values_);
+    return scripts_.render(participant_.name, participant_.window_template_path, values_,
+                           changes_ ? index : 0);
   }
 
  private:
@@ -359,6 +360,11 @@ class CoupledRun {
     if (!one.window_template_path.empty()) {
       auto script = std::make_unique<WindowScript>(
           one, used_by(scripts_.get(one.window_template_path), values), scripts_);
+      // Which script an earlier part of the run used in which window is known to nobody else.
+      for (std::int64_t index = 1; script->changes() && span_.keeps_record && index <= span_.behind;
+           ++index) {
+        static_cast<void>(render_for(*script, index));
+      }
       description.window_script = render_for(*script, span_.behind + 1);
       if (script->changes()) window_scripts_.back() = std::move(script);
     }
@@ -386,7 +392,8 @@ class CoupledRun {
       fields.push_back({field.name, field.unit, field.from, field.to, field.shape, field.variable});
     }
     std::vector<std::string> columns = coupling_.order;
-    columns.insert(columns.end(), {"exchange", "render", "record", "orchestrator"});
+    columns.insert(columns.end(),
+                   {"exchange", "render", "record", "orchestrator", "began", "ended"});
     record_ = std::make_unique<record::Record>(directory_.file("record.h5"), coupling_.windows,
                                                std::move(fields), std::move(columns),
                                                span_.keeps_record ? span_.behind : 0);
@@ -408,8 +415,9 @@ class CoupledRun {
     }
     for (std::int64_t index = span_.behind + 1; index <= until_; ++index) {
       if (index > span_.behind + 1) use_scripts(index);
+      const double began = seconds_since_1970();
       const coupling::Done done = engine.window(index);
-      append(done);
+      append(done, began);
       if (index == span_.behind + 1) require_stateless(true);
       const bool due = coupling_.checkpoint_every > 0 && index % coupling_.checkpoint_every == 0;
       if (due && index < coupling_.windows) checkpoint(engine, index);
@@ -459,7 +467,8 @@ class CoupledRun {
     render_of_window_ = clock_.now() - start;
   }
 
-  void append(const coupling::Done& done) {
+  /// `began` by seconds_since_1970.
+  void append(const coupling::Done& done, double began) {
     record::Row row;
     row.begin = done.begin;
     row.end = done.end;
@@ -479,6 +488,8 @@ class CoupledRun {
     row.timings.push_back(record_of_last_);
     row.timings.push_back(
         std::max(0.0, done.timing.total - done.timing.working - done.timing.exchange));
+    row.timings.push_back(began);
+    row.timings.push_back(seconds_since_1970());
     const double start = clock_.now();
     record_->append(row);
     record_of_last_ = clock_.now() - start;

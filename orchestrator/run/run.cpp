@@ -111,12 +111,15 @@ class Run {
     for (const workflow::Stage& stage : workflow_.stages) {
       begin(stage.name);
       const double start = clock_.now();
+      auto& [began, ended] = stage_times_[stage.name];
+      began = seconds_since_1970();
       if (stage.program == workflow::Program::coupling) {
         couple();
       } else {
         make(stage);
       }
       stage_seconds_[stage.name] = clock_.now() - start;
+      ended = seconds_since_1970();
     }
   }
 
@@ -319,6 +322,7 @@ class Run {
            {"template", stored.template_path},
            {"path", "scripts/" + std::filesystem::path(stored.path).filename().string()},
            {"digest", stored.digest}});
+      if (!stored.windows.empty()) json["scripts"].back()["windows"] = stored.windows;
     }
     json["data"] = record::to_json(data_files(workflow_, home_));
     json["environment"] = record::describe_environment();
@@ -335,6 +339,9 @@ class Run {
         {"report", report_seconds_}};
     for (const auto& [name, bytes] : outcome_.peak_memory_bytes) peak_memory_[name] = bytes;
     json["peak_memory_bytes"] = peak_memory_;
+    for (const auto& [name, times] : stage_times_) {
+      json["stages"][name] = {{"began", times.first}, {"ended", times.second}};
+    }
     write_file(directory_.file("provenance.json"),
                json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
@@ -355,6 +362,8 @@ class Run {
   std::shared_future<std::vector<record::UsedProgram>> solvers_;
   KeptProducts kept_;
   std::map<std::string, double> stage_seconds_;
+  /// By seconds_since_1970; 0 for the end of one that failed.
+  std::map<std::string, std::pair<double, double>> stage_times_;
   std::map<std::string, double> peak_memory_;
   double report_seconds_ = 0;
 };

@@ -19,7 +19,7 @@ const Template& Scripts::get(const std::string& template_path) {
 }
 
 std::string Scripts::render(const std::string& whose, const std::string& template_path,
-                            const Value::Map& values) {
+                            const Value::Map& values, std::int64_t window) {
   const double start = SystemClock().now();
   const std::string text = get(template_path).render(values);
   std::string path;
@@ -32,10 +32,18 @@ std::string Scripts::render(const std::string& whose, const std::string& templat
     std::string& stored = path_of_name_[name];
     if (stored.empty()) {
       stored = folder_ + "/" + name;
-      write_file(stored, text);
+      // There already where a run goes on; files are put in their place whole.
+      if (!std::filesystem::exists(stored)) write_file(stored, text);
     }
-    if (used_.emplace(whose, name).second) {
-      stored_.push_back({whose, template_path, stored, digest});
+    const auto [used, is_new] = used_.emplace(std::pair(whose, name), stored_.size());
+    if (is_new) stored_.push_back({whose, template_path, stored, digest, {}});
+    if (window > 0) {
+      auto& windows = stored_[used->second].windows;
+      if (windows.empty() || windows.back().second < window - 1) {
+        windows.emplace_back(window, window);
+      } else {
+        windows.back().second = window;
+      }
     }
     path = stored;
   }

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,9 +20,10 @@ class Scripts {
   Scripts(std::string templates_root, std::string folder);
 
   /// Renders the template with these values and returns the path of the stored script. `whose` is
-  /// the stage or participant, for the provenance.
+  /// the stage or participant, for the provenance; so is `window`, where the text is of one window
+  /// only, in rising order.
   std::string render(const std::string& whose, const std::string& template_path,
-                     const Value::Map& values);
+                     const Value::Map& values, std::int64_t window = 0);
   /// The parsed template; each is read once.
   const Template& get(const std::string& template_path);
 
@@ -31,6 +32,8 @@ class Scripts {
     std::string template_path;
     std::string path;
     std::string digest;
+    /// First and last of the windows it was used in; empty: in all of them.
+    std::vector<std::pair<std::int64_t, std::int64_t>> windows;
   };
   [[nodiscard]] const std::vector<Stored>& stored() const { return stored_; }
   /// The template files that were read, with digests.
@@ -44,7 +47,7 @@ class Scripts {
   std::map<std::string, Template> templates_;
   std::map<std::string, std::string> path_of_name_;  ///< by template and digest
   std::vector<Stored> stored_;                       ///< once for everybody who uses it
-  std::set<std::pair<std::string, std::string>> used_;
+  std::map<std::pair<std::string, std::string>, std::size_t> used_;  ///< whose, name: in stored_
   double seconds_ = 0;
 };
 

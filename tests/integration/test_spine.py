@@ -132,7 +132,7 @@ class DefaultRun(Case):
             self.assertTrue(numpy.all(numpy.isfinite(record[name])))
             self.assertEqual(record.attributes[name]["unit"], unit)
         self.assertEqual((record.attributes["drag"]["from"], record.attributes["drag"]["to"]), ("fluid", "grains"))
-        self.assertEqual(set(record.timings), {"fluid", "grains", "exchange", "render", "record", "orchestrator"})
+        self.assertEqual(set(record.timings), {"fluid", "grains", "exchange", "render", "record", "orchestrator", "began", "ended"})
 
     def test_acceleration_and_velocity_belong_together(self):
         record = self.run_ended.record

@@ -1,5 +1,6 @@
 """What a run directory says of itself afterwards: its crate, whether it was altered, and where its time went."""
 
+import datetime
 import hashlib
 import json
 import os
@@ -9,10 +10,28 @@ import subprocess
 import sys
 import unittest
 
-from case import DONE, ENVIRONMENT, HOME, MISMATCH, USAGE, Case, read, wait_until, write
+from case import (DONE, ENVIRONMENT, HOME, MISMATCH, SPHERE, USAGE, Case, Record, change, copy_of_home, read, sets, wait_until,
+                  write)
 
 PAIR = os.path.join(HOME, "templates", "bench", "pair.yaml")
 PROVENANCE = os.path.join(HOME, "tests", "provenance")
+
+
+def validate(directory):
+    """roc-validator's issues with a run directory; None where it cannot be had, and why."""
+    folder = os.path.join(HOME, ".build", "provenance")
+    python = os.path.join(folder, "bin", "python")
+    requirements = os.path.join(PROVENANCE, "requirements.txt")
+    mark = os.path.join(folder, "installed")
+    if not (os.path.exists(mark) and read(mark) == read(requirements)):
+        made = subprocess.run([sys.executable, "-m", "venv", folder], capture_output=True, text=True)
+        if made.returncode == 0:
+            made = subprocess.run([python, "-m", "pip", "install", "-q", "--disable-pip-version-check", "--require-hashes",
+                                   "-r", requirements], capture_output=True, text=True)
+        if made.returncode != 0:
+            raise unittest.SkipTest("roc-validator cannot be installed from PyPI here: " + made.stderr[-300:])
+        write(mark, read(requirements))
+    return subprocess.run([python, os.path.join(PROVENANCE, "validate_crate.py"), directory], capture_output=True, text=True)
 
 
 class Finished(Case):
@@ -155,27 +174,91 @@ class Crate(Finished):
         self.assertEqual(scripts, {name for name in self.entities if name.startswith("scripts/")})
 
     def test_roc_validator(self):
-        folder = os.path.join(HOME, ".build", "provenance")
-        python = os.path.join(folder, "bin", "python")
-        requirements = os.path.join(PROVENANCE, "requirements.txt")
-        mark = os.path.join(folder, "installed")
-        if not (os.path.exists(mark) and read(mark) == read(requirements)):
-            made = subprocess.run([sys.executable, "-m", "venv", folder], capture_output=True, text=True)
-            if made.returncode == 0:
-                made = subprocess.run([python, "-m", "pip", "install", "-q", "--disable-pip-version-check", "--require-hashes",
-                                       "-r", requirements], capture_output=True, text=True)
-            if made.returncode != 0:
-                self.skipTest("roc-validator cannot be installed from PyPI here: " + made.stderr[-300:])
-            write(mark, read(requirements))
-        checked = subprocess.run([python, os.path.join(PROVENANCE, "validate_crate.py"), self.ended.directory],
-                                 capture_output=True, text=True)
+        checked = validate(self.ended.directory)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
         broken = self.copy("invalid")
         crate = json.loads(read(os.path.join(broken, "ro-crate-metadata.json")))
         crate["@graph"] = [one for one in crate["@graph"] if one["@type"] != "ControlAction"]
         write(os.path.join(broken, "ro-crate-metadata.json"), json.dumps(crate))
-        checked = subprocess.run([python, os.path.join(PROVENANCE, "validate_crate.py"), broken], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 1, "the validator accepts what it must not")
+        self.assertEqual(validate(broken).returncode, 1, "the validator accepts what it must not")
+
+
+class ScriptsOfWindows(Case):
+    """A sphere whose window script differs from window to window, killed once: each window's script is found in the crate."""
+
+    EVERY, WINDOWS = 5, 23
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        home = copy_of_home(cls.place)
+        change(os.path.join(home, "templates", "yade", "settling_sphere_window.py"),
+               ("state = O.bodies[grain].state", "import time\n"
+                "time.sleep(0.1)  # the kill comes between the first checkpoint and the end\n"
+                "this_window = {{window.index}}\nstate = O.bodies[grain].state"))
+        started = cls.place.start("run", SPHERE, *sets(checkpoint_every=cls.EVERY, end_time="%d ms" % cls.WINDOWS),
+                                  out="sphere", home=home)
+        folder = started.path("checkpoints", "%09d" % cls.EVERY)
+        assert wait_until(lambda: os.path.isdir(folder))
+        started.signal(signal.SIGKILL)
+        started.wait(30)
+        cls.place.left_over()
+        ended = cls.place.sandglass("resume", started.directory, home=home)
+        assert ended.code == DONE and "nothing to resume" not in ended.out, str(ended)
+        cls.directory = started.directory
+        graph = json.loads(read(started.path("ro-crate-metadata.json")))["@graph"]
+        cls.entities = {entity["@id"]: entity for entity in graph}
+
+    def actions_of(self, step):
+        control = self.entities["#control-" + step]
+        self.assertEqual(Finished.ids(control["instrument"]), ["#step-" + step])
+        return [self.entities[one] for one in Finished.ids(control["object"])]
+
+    def action_of(self, step, window):
+        """The one action whose interval holds the window."""
+        found = [one for one in self.actions_of(step)
+                 if (span := [int(word) for word in one["name"].split("windows ")[1].split(" to ")]) and span[0] <= window <= span[1]]
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def scripts_of(self, step, window):
+        scripts = []
+        for identifier in Finished.ids(self.action_of(step, window)["object"]):
+            entity = self.entities[identifier]
+            named = [self.entities[one] for one in Finished.ids(entity.get("additionalProperty", []))]
+            spans = [word for one in named if one["name"] == "windows of " + step for word in one["value"].split()]
+            if not spans or any(int(first) <= window <= int(last or first)
+                                for first, _, last in (span.partition("-") for span in spans)):
+                scripts.append(entity)
+        return scripts
+
+    def test_the_script_of_every_window(self):
+        for window in range(1, self.WINDOWS + 1):
+            texts = [read(os.path.join(self.directory, one["@id"])) for one in self.scripts_of("grains", window)]
+            self.assertEqual(len(texts), 2, "the set-up's, and the window's own")
+            self.assertEqual([text.count("this_window = %d\n" % window) for text in texts].count(1), 1, window)
+            self.assertEqual([one["name"].split("/")[1].split("-")[0] for one in self.scripts_of("fluid", window)],
+                             ["stokes_axisymmetric"])
+
+    def test_an_action_has_its_own_times_and_scripts(self):
+        actions = self.actions_of("grains")
+        self.assertEqual(len(actions), -(-self.WINDOWS // self.EVERY))
+        times = [datetime.datetime.fromisoformat(one[when]) for one in actions for when in ("startTime", "endTime")]
+        self.assertEqual(times, sorted(times))
+        timings = Record(os.path.join(self.directory, "record.h5")).timings
+        for number, time in enumerate(times):
+            window = (number + 1) // 2 * self.EVERY if number % 2 == 0 else min((number + 1) // 2 * self.EVERY, self.WINDOWS) - 1
+            # The crate's words go to the microsecond.
+            self.assertAlmostEqual(time.timestamp(), timings["ended" if number % 2 else "began"][window], delta=2e-6)
+        run = self.entities["#run"]
+        self.assertLessEqual(datetime.datetime.fromisoformat(run["startTime"]), times[0])
+        self.assertEqual([len(one["object"]) for one in actions], [self.EVERY + 1] * 4 + [self.WINDOWS % self.EVERY + 1])
+        analysis = self.entities["#stage-analyse"]
+        self.assertGreaterEqual(datetime.datetime.fromisoformat(analysis["startTime"]), times[-1])
+
+    def test_roc_validator(self):
+        checked = validate(self.directory)
+        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
 
 class Profile(Case):

@@ -20,7 +20,7 @@ BIOSCHEMAS = "https://bioschemas.org/"
 WORKFLOW_RUN = "https://w3id.org/ro/terms/workflow-run#"
 TERMS = """
 CreativeWork Dataset SoftwareApplication SoftwareSourceCode HowTo HowToStep ComputerLanguage PropertyValue CreateAction
-ControlAction OrganizeAction about actionStatus additionalType contentSize datePublished description encodingFormat endTime
+ControlAction OrganizeAction about actionStatus additionalProperty additionalType contentSize datePublished description encodingFormat endTime
 error exampleOfWork hasPart instrument license mainEntity mentions name object position programmingLanguage result softwareVersion
 startTime step unitText url value version workExample
 """.split()
