@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,6 +17,14 @@ namespace {
 
 constexpr const char* kLockFile = "/lock";
 constexpr int kHighestNumber = 1'000'000'000;
+
+/// A lock of an open file, not of a process: gone when the last descriptor of it is.
+struct flock whole_file(short type) {
+  struct flock all {};
+  all.l_type = type;
+  all.l_whence = SEEK_SET;
+  return all;
+}
 
 /// The number of "NAME-0007", or 0.
 int number_of(const std::string& folder, const std::string& name) {
@@ -73,8 +80,9 @@ void RunDirectory::lock() {
   const std::string path = path_ + kLockFile;
   lock_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) throw_system_error("lock the run directory", path, errno);
-  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
-  if (errno != EWOULDBLOCK) throw_system_error("lock the run directory", path, errno);
+  struct flock all = whole_file(F_WRLCK);
+  if (::fcntl(lock_, F_OFD_SETLK, &all) == 0) return;
+  if (errno != EAGAIN && errno != EACCES) throw_system_error("lock the run directory", path, errno);
   throw Error::environment(
       fmt::format("the run directory '{}' is in use by another process", path_),
       "wait for it ('sandglass status' shows it) or choose another with --out");
@@ -121,7 +129,9 @@ std::string RunDirectory::folder(const std::string& name) const {
 bool in_use(const std::string& path) {
   const int descriptor = ::open((path + kLockFile).c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
-  const bool busy = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  // Asked, not tried: a lock held for a moment would turn away whoever wants the directory then.
+  struct flock all = whole_file(F_RDLCK);
+  const bool busy = ::fcntl(descriptor, F_OFD_GETLK, &all) == 0 && all.l_type != F_UNLCK;
   ::close(descriptor);
   return busy;
 }

@@ -269,7 +269,7 @@ class Directory(FaultCase):
     def test_it_is_locked_before_anything_is_in_it(self):
         os.makedirs(self.place.join("locked"))
         with open(self.place.join("locked", "lock"), "w") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
+            fcntl.lockf(file, fcntl.LOCK_EX)
             self.refused(self.place.join("locked"), "in use")
         # Nobody holds it any more.
         ended = self.sandglass("run", self.workflow, out="locked")

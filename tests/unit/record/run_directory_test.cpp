@@ -133,6 +133,20 @@ TEST_F(RunDirectoryTest, InUseByAnotherProcess) {
   EXPECT_NO_THROW(static_cast<void>(RunDirectory::open(path)));
 }
 
+TEST_F(RunDirectoryTest, AskingIsNotTaking) {
+  const std::string path = scratch_.file("run");
+  static_cast<void>(at(path));
+  const pid_t asking = test::start_elsewhere([&] {
+    std::ofstream(path + "/asking") << ::getpid() << '\n';
+    for (;;) static_cast<void>(in_use(path));
+    return 0;
+  });
+  ASSERT_GT(test::process_written_to(path + "/asking"), 0);
+  for (int k = 0; k < 20'000; ++k) EXPECT_NO_THROW(static_cast<void>(RunDirectory::open(path)));
+  ::kill(asking, SIGKILL);
+  test::end_of(asking);
+}
+
 TEST_F(RunDirectoryTest, InUseByOurselves) {
   const RunDirectory mine = next();
   EXPECT_TRUE(in_use(mine.path()));
