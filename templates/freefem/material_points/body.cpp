@@ -149,6 +149,19 @@ void Body<D>::to_grid(bool with_forces) {
 }
 
 template <int D>
+void Body<D>::momentum_to_grid() {
+  std::fill(node_momentum_.begin(), node_momentum_.end(), Vector<D>{});
+  for (std::size_t p = 0; p < points(); ++p) {
+    const Shape<D>& shape = shape_[p];
+    const Vector<D>& velocity = state_.velocity[p];
+    for (int i = 0; i < shape.count; ++i) {
+      const double part = shape.value[i] * mass_[p];
+      for (int k = 0; k < D; ++k) node_momentum_[shape.node[i]][k] += part * velocity[k];
+    }
+  }
+}
+
+template <int D>
 void Body<D>::require_supported(std::size_t b, const Shape<D>& shape) const {
   for (int i = 0; i < shape.count; ++i) {
     // Rounding may put a point on a cell's edge a little beyond it.
@@ -258,7 +271,7 @@ void Body<D>::step(double dt, Update update) {
   }
   move_boundary(dt, node_velocity_);
   if (update == Update::modified_last) {
-    to_grid(false);
+    momentum_to_grid();
     hold_at_zero(node_momentum_);
     for (std::size_t n = 0; n < nodes; ++n)
       for (int k = 0; k < D; ++k)

@@ -77,6 +77,7 @@ class Body {
 
   void locate();
   void to_grid(bool with_forces);
+  void momentum_to_grid();  ///< anew, onto masses that are there
   void apply_boundary_forces();
   void hold_at_zero(std::vector<Vector<D>>& values) const;
   void strain(double dt, const std::vector<Vector<D>>& grid_velocity);

@@ -20,6 +20,7 @@ template <int D>
 struct Kept {
   std::unique_ptr<mpm::Grid<D>> grid;  // until the body takes it
   std::unique_ptr<Body<D>> body;
+  std::vector<double> share{1};  // of the boundary points of a group in its force and motion
   typename Body<D>::Moving saved;
   mpm::System system;
 };
@@ -45,6 +46,17 @@ std::vector<mpm::Vector<D>> rows(const KNM<double>& matrix) {
   std::vector<mpm::Vector<D>> result(static_cast<std::size_t>(matrix.N()));
   for (long i = 0; i < matrix.N(); ++i)
     for (long k = 0; k < D; ++k) result[static_cast<std::size_t>(i)][k] = matrix(i, k);
+  return result;
+}
+
+/// The weighted means of consecutive groups.
+template <int D>
+std::vector<mpm::Vector<D>> means(const std::vector<mpm::Vector<D>>& values,
+                                  const std::vector<double>& share) {
+  std::vector<mpm::Vector<D>> result(values.size() / share.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (int k = 0; k < D; ++k)
+      result[i / share.size()][k] += share[i % share.size()] * values[i][k];
   return result;
 }
 
@@ -142,11 +154,18 @@ long points(Stack, KNM<double>* positions, KN<double>* volumes) {
   });
 }
 
-long boundary(Stack, KNM<double>* positions) {
+// A script's loops over boundary points would cost more than the motion of the body: FreeFEM asks
+// the kernel for the time at every statement.
+long boundary(Stack, KNM<double>* positions, KN<double>* share) {
   return with([&]<int D>(Kept<D>& one) -> long {
+    if (share->N() < 1 || positions->N() % share->N() != 0)
+      throw std::runtime_error(std::to_string(positions->N()) +
+                               " boundary points are no groups of " + std::to_string(share->N()));
     body_of(one).add_boundary_points(rows<D>(*positions));
+    one.share.clear();
+    for (long i = 0; i < share->N(); ++i) one.share.push_back((*share)[i]);
     one.saved = body_of(one).state();
-    return static_cast<long>(body_of(one).boundary_points());
+    return positions->N() / share->N();
   });
 }
 
@@ -163,7 +182,17 @@ long hold(Stack, long component, KN<long>* nodes) {
 
 long forces(Stack, KNM<double>* values) {
   return with([&]<int D>(Kept<D>& one) -> long {
-    body_of(one).set_forces(rows<D>(*values));
+    Body<D>& body = body_of(one);
+    const std::vector<mpm::Vector<D>> given = rows<D>(*values);
+    const std::size_t groups = body.boundary_points() / one.share.size();
+    if (given.size() > groups)
+      throw std::runtime_error(std::to_string(given.size()) + " forces for " +
+                               std::to_string(groups) + " groups of boundary points");
+    std::vector<mpm::Vector<D>> shared(body.boundary_points());
+    for (std::size_t i = 0; i < given.size() * one.share.size(); ++i)
+      for (int k = 0; k < D; ++k)
+        shared[i][k] = one.share[i % one.share.size()] * given[i / one.share.size()][k];
+    body.set_forces(shared);
     return values->N();
   });
 }
@@ -205,8 +234,9 @@ long finish(Stack, double dt, KN<double>* increments) {
 
 long interface(Stack, KNM<double>* displacement, KNM<double>* velocity) {
   return with([&]<int D>(Kept<D>& one) -> long {
-    fill<D>(*displacement, body_of(one).state().boundary_displacement);
-    fill<D>(*velocity, body_of(one).state().boundary_velocity);
+    const auto& state = body_of(one).state();
+    fill<D>(*displacement, means<D>(state.boundary_displacement, one.share));
+    fill<D>(*velocity, means<D>(state.boundary_velocity, one.share));
     return displacement->N();
   });
 }
