@@ -5,13 +5,17 @@ old wall, then Newmark's method with the new force) has the amplification factor
 
     z^3 + (kp + ks/4 - 2) z^2 + (1 + ks/2) z + ks/4 = 0,
 
-which is unstable for every window; a dashpot c > dt k m* / m_s holds it (m* the reduced mass, one window of lag). Where the
-contact comes to rest within a window, the sphere is an attached mass: G = -m_p/m_s per window whatever its length, and a
-relaxation w gives 1 - w (1 + m_p/m_s).
+which is unstable for every window; a dashpot c > dt k m* / m_s holds it (m* the reduced mass, one window of lag). One impact
+ends with the restitution exp(l pi/2 dt sqrt(k m*) / m_s), l windows of lag; a mode of the body that is much faster than the
+contact, of frequency w_j, grows by l k dt^2 / (2 m_s) / (1 + (w_j dt/2)^2)^2 per window. Where the body steps by leapfrog
+there is no lag and a limit, dt < 2 sqrt(m* / k), which a light node of the body makes small; a dashpot alone gives
+G = 1 - c dt / m_s. Where the contact comes to rest within a window, the sphere is an attached mass: G = -m_p/m_s per window
+whatever its length, and a relaxation w gives 1 - w (1 + m_p/m_s).
 """
 
 import math
 import os
+import re
 import sys
 import unittest
 
@@ -32,7 +36,8 @@ def advance():
     u, w = participant.receive("wall")
     half = v + dt / 2 * force / m
     x += dt * half
-    force = -k * (x - u - predicted * dt * w) - c * (half - w)
+    depth = x - u - predicted * dt * w
+    force = -k * depth - c * (half - w) if depth > 0 or not %(opens)r else 0.0
     v = half + dt / 2 * force / m
     participant.send("force", -force)
     participant.send("gap", x - u)
@@ -76,15 +81,21 @@ participant.serve(advance, save, restore)
 BODY = """
 from sandglass_participant import connect
 participant = connect()
-m, dt, push = %(body_mass)r, %(window)r, %(push)r
+m, dt, push, K = %(body_mass)r, %(window)r, %(push)r, %(body_stiffness)r
 u, v, a, kept = 0.0, 0.0, 0.0, None
 
 def advance():
     global u, v, a
-    new = (participant.receive("force")[0] + push) / m
-    u += dt * v + dt * dt / 4 * (a + new)
-    v += dt / 2 * (a + new) if %(newmark)r else dt * new
-    a = new
+    force = participant.receive("force")[0] + push
+    if %(leapfrog)r:
+        v += dt * force / m
+        u += dt * v
+    else:
+        # Newmark's method (1/4, 1/2), with a spring of the body's own
+        new = (force - K * (u + dt * v + dt * dt / 4 * a)) / (m + dt * dt / 4 * K)
+        u += dt * v + dt * dt / 4 * (a + new)
+        v += dt / 2 * (a + new) if %(newmark)r else dt * new
+        a = new
     participant.send("wall", [u, v])
 
 def save():
@@ -114,7 +125,7 @@ coupling:
   relaxation: %(relaxation)r
   relax: [%(relax)s]
   tolerance: 1e-8
-  stability: {growth: 1.3}  # a body that is pushed changes faster and faster by itself
+  stability: {growth: %(watched)r}  # 1.3: a body that is pushed changes faster and faster by itself
   fields:
     wall: {unit: m, shape: [2], from: body, to: sphere}
     force: {unit: N, shape: [1], from: sphere, to: body}
@@ -125,7 +136,7 @@ coupling:
 class Coupled(Case):
     def couple(self, name, sphere=SPHERE, windows=300, **changed):
         values = dict(sphere_mass=1.0, body_mass=2.0, stiffness=1.0, dashpot=0.0, window=0.2, predicted=False, push=0.0,
-                      newmark=True, scheme="serial-explicit", acceleration="none", relaxation=0.5, explicit="",
+                      newmark=True, leapfrog=False, opens=False, body_stiffness=0.0, watched=1.3, scheme="serial-explicit", acceleration="none", relaxation=0.5, explicit="",
                       order="sphere, body", relax="wall")
         values.update(changed, place=self.place.path, name=name)
         values["end"] = windows * values["window"]
@@ -168,6 +179,61 @@ class Contact(Coupled):
         above = self.growth(self.couple("above", window=window, dashpot=1.2 * limit)) - 1
         self.assertGreater(below, 0)
         self.assertLess(above, 0)
+
+    def test_without_lag_the_lighter_side_sets_the_limit(self):
+        # Leapfrog on both sides, 2 sqrt(m*/k): a node of a hundredth of the sphere's mass, bracketed by two percent.
+        limit = 2 * math.sqrt(1.0 * 0.01 / 1.01 / 1.0)
+        light = dict(body_mass=0.01, leapfrog=True, windows=400)
+        run = self.couple("inside", window=0.98 * limit, **light)
+        self.assert_code(run, DONE)
+        self.assertAlmostEqual(self.growth(run), 1, delta=1e-9)
+        run = self.couple("outside", window=1.02 * limit, **light)
+        self.assert_failed(run, UNSTABLE, "unstable")
+        # z^2 + (k dt^2/m* - 2) z + 1 = 0
+        grows = max(abs(numpy.roots([1, 4 * 1.02**2 - 2, 1])))
+        told = re.search(r"window \d+: field '\w+' from \w+ diverges: its change grows ([\d.]+) times per window", run.err)
+        self.assertAlmostEqual(float(told.group(1)) / grows, 1, delta=0.02, msg=run.err)
+
+    def test_at_once_by_leapfrog(self):
+        run = self.couple("jacobi", window=0.1, leapfrog=True, scheme="parallel-explicit")
+        self.assertAlmostEqual(self.growth(run), math.sqrt(1 + 0.1**2 / 2.0), delta=1e-9)  # (z - 1)^2 + kp z + ks = 0
+
+    def test_restitution_of_one_impact(self):
+        window, reduced = 0.01, 1.0 * 2.0 / 3.0
+        for name, lag, scheme in (("once", 1, "serial-explicit"), ("twice", 2, "parallel-explicit")):
+            run = self.couple(name, window=window, opens=True, scheme=scheme, windows=400)  # a contact takes 257
+            self.assert_code(run, DONE)
+            gap = run.record["gap"][:, 0]
+            self.assertLess(gap[-1], 0)
+            restitution = -(gap[-1] - gap[-2]) / window
+            expected = lag * math.pi / 2 * window * math.sqrt(1.0 * reduced) / 2.0
+            self.assertAlmostEqual(math.log(restitution) / expected, 1, delta=0.02)  # the next order is window * sqrt(k/m*)
+
+    def test_a_fast_mode_of_the_body(self):
+        for name, window in (("resolved", 0.02), ("unresolved", 0.3)):
+            own = 30.0**2 * 2.0  # 30 times faster than the contact
+            run = self.couple(name, window=window, body_stiffness=own, windows=3000)
+            self.assert_code(run, DONE)
+            # The lag is exact to first order in k: modes of mass 2 and stiffness k + K, seen in the wall's own motion.
+            wall = run.record["wall"][:, 0]
+            known = numpy.column_stack([wall[4 - n:len(wall) - n] for n in range(1, 5)])
+            roots = numpy.roots([1, *-numpy.linalg.lstsq(known, wall[4:], rcond=None)[0]])
+            fastest = max(roots, key=lambda root: abs(numpy.angle(root)))
+            expected = window**2 / (2 * 2.0) / (1 + (30.0 * window / 2) ** 2) ** 2
+            self.assertAlmostEqual((abs(fastest) - 1) / expected, 1, delta=0.05, msg=name)
+
+    def test_a_dashpot_beside_a_light_body(self):
+        # The body sees c (v - w) of its own last velocity w: G = 1 - c dt/m_s.
+        for name, ratio in (("calm", 1.9), ("wild", 2.1)):
+            run = self.couple(name, window=0.01, dashpot=ratio * 2.0 / 0.01, stiffness=0.0, sphere_mass=1e9, leapfrog=True,
+                              windows=60, watched=1.05)
+            if ratio > 2:
+                self.assert_failed(run, UNSTABLE, "unstable")
+                self.assert_said(run, "grows 1.1 times per window, with alternating sign")
+                continue
+            self.assert_code(run, DONE)
+            distance = run.record["wall"][:20, 1] - 1.0
+            numpy.testing.assert_allclose(distance[1:] / distance[:-1], 1 - ratio, rtol=1e-6)
 
     def test_iterated_windows_neither_grow_nor_decay(self):
         for acceleration in ("constant", "aitken", "iqn-ils"):
