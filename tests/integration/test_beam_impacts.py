@@ -119,8 +119,11 @@ class Contact(Case):
         depth = (1.25 * mass * 0.01**2 / stiffness) ** 0.4
         self.assertAlmostEqual(stiffness * depth**1.5, 7.083, delta=0.001)
         forces = [run.record["contact_force"][:, 0] for run in runs]
+        # A sample up to half a step beside the peak lacks up to 3/16 a dt^2 / depth (a the largest deceleration), and the
+        # integrator's own energy, E - dt^2/24 F^2/m where the sphere turns, adds 1/16 of the same: 1.4e-5 together.
+        slack = stiffness * depth**1.5 / mass * 4e-7**2 / (4 * depth)
         for run, force in zip(runs, forces):
-            self.assertAlmostEqual(force.max() / (stiffness * depth**1.5), 1, delta=2e-5)  # sampled every 0.4 us
+            self.assertAlmostEqual(force.max() / (stiffness * depth**1.5), 1, delta=slack)
             # Contact time 2.9432 depth / velocity (Hertz), found between samples.
             self.assertAlmostEqual(run.quantity("contact_intervals")[0][1] / (2.94317 * depth / 0.01), 1, delta=2e-4)
             self.assertAlmostEqual(run.quantity("rebound_velocity"), -0.01, delta=1e-6)
