@@ -9,6 +9,7 @@ damping = {{damping}}
 section, periodic = {{section}}, {{sides}} == 'periodic'                     # m
 fine_diameter, verlet_distance = {{fine_diameter}}, {{verlet_distance}}      # m
 plate, catch_depth, catch_steps = {{plate}}, {{catch_depth}}, 200            # file, m, steps
+forget_fallen, plane_sides, needed_functors = {{fallen_beads}}, {{side_facets}}, {{idle_functors}}  # what is left out
 
 {{> yade/erosion_box.py}}
 

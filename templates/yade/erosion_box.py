@@ -1,6 +1,7 @@
 # Building block: contact law, plate and sides of the erosion test, and the container below. It needs, as names: young,
 # poisson, friction_angle, density, density_scaling, gravity, fluid_density, damping, section, periodic,
-# fine_diameter, verlet_distance, plate (file), catch_depth, catch_steps; and then fine_ids, fallen_at.
+# fine_diameter, verlet_distance, plate (file), catch_depth, catch_steps, what is left out (forget_fallen, plane_sides,
+# needed_functors); and then fine_ids, fallen_at.
 import math
 
 import h5py
@@ -17,16 +18,29 @@ if periodic:
 else:
     for axis in (0, 1):
         for place in (0, section):
-            O.bodies.append(wall(place, axis=axis, material='glass', mask=WALL))
+            if plane_sides:
+                O.bodies.append(wall(place, axis=axis, material='glass', mask=WALL))
+                continue
+            # Two triangles in the place of a plane, to above every cloud of beads.
+            along = [(0, -20 * catch_depth), (section, -20 * catch_depth), (section, 1.0), (0, 1.0)]
+            corners = [(place, a, z) if axis == 0 else (a, place, z) for a, z in along]
+            for three in ((0, 1, 2), (0, 2, 3)):
+                O.bodies.append(facet([corners[corner] for corner in three], material='glass', mask=WALL))
 with h5py.File(plate, 'r', locking=False) as file:
     for corners in file['triangles'][...]:
         O.bodies.append(facet([tuple(corner) for corner in corners], material='glass', mask=WALL))
 
+bounds = [Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Wall_Aabb()]
+contacts = [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()]
+if not needed_functors:  # and those of bodies that the scene has not
+    bounds += [Bo1_Box_Aabb()]
+    contacts += [Ig2_Box_Sphere_ScGeom()]
 O.engines = [
     ForceResetter(),
-    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Wall_Aabb()], verletDist=verlet_distance,
-                          avoidSelfInteractionMask=0b10, label='collider'),
-    InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+    # One margin for all: YADE's own, of each bead by its last motion, leaves beads that hardly move so little that the
+    # lists are made anew nearly every step.
+    InsertionSortCollider(bounds, verletDist=verlet_distance, targetInterv=-1, avoidSelfInteractionMask=0b10, label='collider'),
+    InteractionLoop(contacts,
                     [Ip2_FrictMat_FrictMat_FrictPhys()],
                     [Law2_ScGeom_FrictPhys_CundallStrack()]),
     # Weight less buoyancy; damped like every other force, as everywhere in YADE.
@@ -54,7 +68,8 @@ def put_aside():
             bead.state.blockedDOFs = 'xyzXYZ'
             bead.state.vel = bead.state.angVel = Vector3.Zero
             bead.state.pos = aside_place(bead.id)
-            bead.bounded, bead.bound = False, None  # no collider looks at it
+            if forget_fallen:
+                bead.bounded, bead.bound = False, None  # no collider looks at it
 
 
 def aside_place(number):

@@ -15,6 +15,7 @@ resting_time = {{resting_time}}                                              # s
 time_step_factor, verlet_distance = {{time_step_factor}}, {{verlet_distance}}  # 1, m
 plate, catch_depth, catch_steps = {{plate}}, {{catch_depth}}, 200            # file, m, steps
 random = numpy.random.default_rng({{seed}})
+forget_fallen = plane_sides = needed_functors = True
 
 {{> yade/erosion_box.py}}
 
