@@ -107,7 +107,8 @@ Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Cl
       partners_(partners),
       clock_(clock),
       questions_(partners.size()),
-      quasi_newton_(plan.relaxation, plan.reused_windows, plan.filter) {
+      quasi_newton_(plan.relaxation, plan.reused_windows, plan.filter),
+      energy_watch_(plan.energy.growth) {
   for (const Field& field : plan.fields) {
     State& state = states_.emplace_back(State{
         {}, {}, {}, {}, {plan.acceleration, plan.relaxation}, StabilityWatch(plan.stability)});
@@ -120,6 +121,12 @@ Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Cl
     if (field.mapping) state.received_shape[0] = 0;
     if (changed_on_the_way(field)) {
       state.received.assign(static_cast<size_t>(count_of(state.received_shape)), field.initial);
+    }
+  }
+  for (std::size_t f = 0; f < plan.fields.size(); ++f) {
+    const auto& named = plan.energy.fields;
+    if (std::find(named.begin(), named.end(), plan.fields[f].name) != named.end()) {
+      energies_.push_back(f);
     }
   }
 }
@@ -217,6 +224,25 @@ void Engine::watch(std::int64_t window) {
         "a shorter window, under-relaxation, or scheme=serial-implicit may keep it stable; the "
         "limits are in 'coupling: stability'");
   }
+  watch_energy(window);
+}
+
+void Engine::watch_energy(std::int64_t window) {
+  if (energies_.empty()) return;
+  double sum = 0;
+  for (const std::size_t f : energies_) {
+    sum = std::accumulate(states_[f].sent.begin(), states_[f].sent.end(), sum);
+  }
+  const std::optional<double> growth = energy_watch_.observe(sum);
+  if (!growth) return;
+  throw Error::unstable(
+      fmt::format("window {}: the coupling makes energy: the sum of field '{}' is {:.3g} times its "
+                  "first value, {:.3g} % more in every window",
+                  window, fmt::join(plan_.energy.fields, "' and '"), *growth,
+                  100 * (std::pow(*growth, 1 / static_cast<double>(window)) - 1)),
+      "an exchange with a lag feeds an oscillation as long as it lasts: a shorter window, what is "
+      "exchanged predicted within it, damping, or scheme=serial-implicit may help; the limits are "
+      "in 'coupling: stability'");
 }
 
 bool Engine::asked_already(std::size_t p) {
@@ -376,6 +402,7 @@ void Engine::relax_together() {
 
 void Engine::remember(Memory& memory) {
   quasi_newton_.remember(memory, "quasi_newton");
+  energy_watch_.remember(memory, "energy");
   for (std::size_t f = 0; f < states_.size(); ++f) {
     State& state = states_[f];
     const std::string& name = plan_.fields[f].name;

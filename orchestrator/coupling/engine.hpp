@@ -83,6 +83,7 @@ struct Plan {
   std::int64_t reused_windows = 10;  ///< of iqn_ils: earlier windows whose iterations are used
   double filter = 1e-2;              ///< of iqn_ils: what a column must add, over its length
   StabilityLimits stability;
+  EnergyLimits energy;
   /// By partner: it answers the same values the same way, always, and is not asked again. May be
   /// shorter than the partners: the others are asked.
   std::vector<bool> asked_once;
@@ -128,8 +129,8 @@ class Engine {
 
   /// Runs the window of this index, counted from 1. What is returned holds until the next call.
   /// Throws Error::participant for an array of the wrong shape, Error::unstable for a value that is
-  /// not finite, a field that diverges, or an iteration that does not converge, each naming
-  /// participant, field and window, and passes on what partners throw.
+  /// not finite, a field that diverges, energy that the coupling makes, or an iteration that does
+  /// not converge, each naming participant, field and window, and passes on what partners throw.
   Done window(std::int64_t index);
   /// What oscillated so far without diverging.
   [[nodiscard]] std::vector<Oscillation> oscillations() const;
@@ -152,6 +153,7 @@ class Engine {
   void iterate(Done& done);
   [[nodiscard]] std::pair<std::size_t, double> worst_residual() const;
   void watch(std::int64_t window);
+  void watch_energy(std::int64_t window);
   void begin(std::size_t p, Done& done);
   /// Returns the seconds that the partner worked.
   double finish(std::size_t p, Done& done);
@@ -166,6 +168,8 @@ class Engine {
   std::vector<State> states_;
   std::vector<Question> questions_;  ///< by partner
   QuasiNewton quasi_newton_;
+  EnergyWatch energy_watch_;
+  std::vector<std::size_t> energies_;  ///< fields whose values are added up
 };
 
 }  // namespace sandglass::coupling

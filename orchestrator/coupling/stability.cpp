@@ -63,6 +63,12 @@ double product_of(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
+std::optional<double> EnergyWatch::observe(double energy) {
+  if (!(first_ > 0)) first_ = energy;
+  if (!(first_ > 0) || energy <= most_ * first_) return std::nullopt;
+  return energy / first_;
+}
+
 std::string Finding::text() const {
   return fmt::format("{} {:.3g} times per window{}", growth >= 1 ? "grows" : "decays", growth,
                      alternating ? ", with alternating sign" : "");

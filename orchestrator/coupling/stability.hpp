@@ -18,6 +18,29 @@ struct StabilityLimits {
   double growth = 1.02;
 };
 
+/// Which fields hold the energy of a system that nothing outside feeds.
+struct EnergyLimits {
+  std::vector<std::string> fields;  ///< none: not watched
+  double growth = 2;                ///< over the first value, above which the run ends
+};
+
+/// Watches such an energy: what it gains is made by the coupling. An exchange with a lag makes it
+/// slowly, by far less in a window than StabilityWatch looks for, as long as a contact lasts; and a
+/// contact that opens holds every field within bounds.
+class EnergyWatch {
+ public:
+  explicit EnergyWatch(double growth) : most_(growth) {}
+  /// Takes the energy of the next window. A number is its growth over the first one that was not 0,
+  /// above the limit.
+  std::optional<double> observe(double energy);
+  /// Keeps or recalls what has been seen so far.
+  void remember(Memory& memory, const std::string& name) { memory(name + ".first", first_); }
+
+ private:
+  double most_;
+  double first_ = 0;
+};
+
 /// What the watch found in a field.
 struct Finding {
   double growth = 0;         ///< of the change from window to window, per window

@@ -189,6 +189,7 @@ coupling::Plan plan_of(const workflow::Coupling& coupling) {
   plan.tolerance = coupling.tolerance;
   plan.most_iterations = coupling.iterations;
   plan.stability = coupling.stability;
+  plan.energy = coupling.energy;
   plan.window = coupling.window;
   plan.windows = coupling.windows;
   const auto number = [&](const std::string& name) {

@@ -330,6 +330,21 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
   coupling.stability.growth = limits.number("growth", coupling.stability.growth);
 }
 
+/// Which fields hold the energy that the coupling must not make.
+void read_energy(const Context& context, const Section& section, Coupling& coupling) {
+  const Node* stability = section.find("stability");
+  if (!stability || stability->kind != Node::Kind::map) return;
+  const Section limits(*stability, object("stability"), context.scope);
+  coupling.energy.growth = limits.number("energy_growth", coupling.energy.growth);
+  coupling.energy.fields = limits.texts("energy");
+  std::vector<std::string> names;
+  for (const Field& field : coupling.fields) names.push_back(field.name);
+  for (const std::string& name : coupling.energy.fields) {
+    if (contains(names, name)) continue;
+    context.problems.unknown(limits.place("energy"), "there is no field", name, names);
+  }
+}
+
 /// Which fields are the unknowns of the iteration: those named, else those that go back to a
 /// participant that has run already.
 void mark_relaxed(const Context& context, const Section& section, const Order& order,
@@ -385,6 +400,7 @@ void read_coupling(const Context& context, Workflow& workflow) {
   read_fields(context, section, order, coupling);
   read_checkpoints(context, coupling);
   mark_relaxed(context, section, order, coupling);
+  read_energy(context, section, coupling);
   workflow.coupling = std::move(coupling);
 }
 

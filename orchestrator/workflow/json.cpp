@@ -98,24 +98,27 @@ Json to_json(const Field& field) {
 Json to_json(const Coupling& coupling) {
   Json fields = Json::array();
   for (const Field& field : coupling.fields) fields.push_back(to_json(field));
-  return {
-      {"scheme", name_of(coupling.scheme)},
-      {"window_s", coupling.window},
-      {"end_s", coupling.end},
-      {"windows", coupling.windows},
-      {"order", coupling.order},
-      {"exchange", coupling.transport == Transport::file ? "file" : "mapped"},
-      {"acceleration", name_of(coupling.acceleration)},
-      {"reused_windows", coupling.reused_windows},
-      {"filter", coupling.filter},
-      {"relaxation", coupling.relaxation},
-      {"tolerance", coupling.tolerance},
-      {"iterations", coupling.iterations},
-      {"stability", {{"watch", coupling.stability.active}, {"growth", coupling.stability.growth}}},
-      {"checkpoint_every", coupling.checkpoint_every},
-      {"checkpoints_kept", coupling.checkpoints_kept},
-      {"fields", fields},
-      {"fields_left_out", coupling.fields_left_out}};
+  return {{"scheme", name_of(coupling.scheme)},
+          {"window_s", coupling.window},
+          {"end_s", coupling.end},
+          {"windows", coupling.windows},
+          {"order", coupling.order},
+          {"exchange", coupling.transport == Transport::file ? "file" : "mapped"},
+          {"acceleration", name_of(coupling.acceleration)},
+          {"reused_windows", coupling.reused_windows},
+          {"filter", coupling.filter},
+          {"relaxation", coupling.relaxation},
+          {"tolerance", coupling.tolerance},
+          {"iterations", coupling.iterations},
+          {"stability",
+           {{"watch", coupling.stability.active},
+            {"growth", coupling.stability.growth},
+            {"energy", coupling.energy.fields},
+            {"energy_growth", coupling.energy.growth}}},
+          {"checkpoint_every", coupling.checkpoint_every},
+          {"checkpoints_kept", coupling.checkpoints_kept},
+          {"fields", fields},
+          {"fields_left_out", coupling.fields_left_out}};
 }
 
 Json reference_of(const Comparison& comparison) {

@@ -528,7 +528,21 @@ Object stability_keys() {
             .fallback = "1.02",
             .doc = "Growth per window, of a field's change from window to window, above which it "
                    "diverges when it lasts; without a change of sign, 0.02 more.",
-            .example = "1.05"}}};
+            .example = "1.05"},
+           {.name = "energy",
+            .kind = Kind::name,
+            .many = Many::list,
+            .doc = "Fields whose values add up to the energy of a system that nothing outside "
+                   "feeds: what it gains is made by the coupling.",
+            .example = "[sphere_energy, beam_energy]"},
+           {.name = "energy_growth",
+            .kind = Kind::number,
+            .reference = true,
+            .unit = "1",
+            .above = 1,
+            .fallback = "2",
+            .doc = "How many times its first value this energy may become.",
+            .example = "1.1"}}};
 }
 
 Object field_keys() {

@@ -109,6 +109,7 @@ struct Field {
 };
 
 using coupling::Acceleration;
+using coupling::EnergyLimits;
 using coupling::Scheme;
 using coupling::StabilityLimits;
 enum class Transport { mapped, file };
@@ -127,6 +128,7 @@ struct Coupling {
   double tolerance = 1e-10;          ///< when a serial-implicit window has converged
   std::int64_t iterations = 100;     ///< that one may take
   StabilityLimits stability;
+  EnergyLimits energy;
   std::vector<Field> fields;
   std::int64_t checkpoint_every = 0;         ///< windows; 0: never
   std::int64_t checkpoints_kept = 0;         ///< the newest ones; 0: all

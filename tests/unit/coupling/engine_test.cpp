@@ -410,6 +410,30 @@ TEST(Faults, WhatIsNotANumberEndsTheRunAndIsNamed) {
   EXPECT_EQ(failing.windows, 2) << "those before are whole";
 }
 
+TEST(Faults, EnergyThatTheCouplingMakesEndsTheRunAndIsNamed) {
+  // 1, 1.1, 1.21, ... and half of it in each of two fields; the first window has none yet.
+  const auto half = [](FakePartner& self) {
+    return self.window < 2 ? 0.0 : 0.5 * std::pow(1.1, static_cast<double>(self.window - 2));
+  };
+  FakePartner fluid("fluid", [&](FakePartner& self) { self.send(0, {half(self)}); });
+  FakePartner grains("grains", [&](FakePartner& self) { self.send(1, {half(self)}); });
+  Plan plan = plan_of(Scheme::serial_explicit, 1, 20,
+                      {field("drag", 0, kNobody), field("heat", 1, kNobody)});
+  int windows = 0;
+  const auto count = [&](const Done&) { ++windows; };
+  plan.energy = {{"drag", "heat"}, 1.5};
+  const Error error = error_of([&] {
+    run(plan, {&fluid, &grains}, FakeClock(), kIgnoreBefore, count);
+  });
+  EXPECT_EQ(error.code(), ExitCode::unstable);
+  EXPECT_THAT(error.what(), AllOf(HasSubstr("window 7"), HasSubstr("'drag' and 'heat'"),
+                                  HasSubstr("1.61 times its first value")));
+  EXPECT_EQ(windows, 6);
+  plan.energy.fields.clear();
+  run(plan, {&fluid, &grains}, FakeClock(), kIgnoreBefore, count);
+  EXPECT_EQ(windows, 26) << "not watched";
+}
+
 TEST(Faults, SoDoesTheInfinite) {
   const Failing failing({1, 2, 3, -kInfinity}, {2, 2});
   EXPECT_EQ(failing.error.code(), ExitCode::unstable);
