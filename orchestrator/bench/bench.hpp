@@ -56,6 +56,26 @@ SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
 Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,
                      double interval);
 
+/// The impact on a beam (workflows/beam_single_impact.yaml) at the paper's step, exchanged in every
+/// step.
+struct ImpactTimes {
+  double all = 0;       ///< s, from nothing to the end of the last window
+  double windows = 0;   ///< s, behind the first one
+  double overhead = 0;  ///< s per window in which no participant worked
+};
+ImpactTimes impact(const run::Home& home, const std::string& folder, const std::string& continuum,
+                   std::int64_t windows);
+
+/// The same with finite elements in one FreeFEM that exchanges nothing: s of so many steps.
+double impact_alone(const run::Home& home, const std::string& folder, std::int64_t windows);
+
+/// A mapping between 180 000 triangles and so many other points.
+struct MappingTimes {
+  double made = 0;     ///< s, for points that are new
+  double applied = 0;  ///< s, to a field of vectors
+};
+MappingTimes mapping(std::int64_t points, bool linear);
+
 /// Seconds from `sandglass resume` to the first new window, of the sphere killed at some moment.
 double resume_seconds(const run::Home& home, const std::string& folder);
 

@@ -25,6 +25,7 @@ WindowEnds window_ends(const run::Home& home, const workflow::Workflow& workflow
   result.begin = clock.now();
   run::run_coupling(workflow, home, directory, scripts, run::Span{}, outcome,
                     [&](std::int64_t, double) { result.ends.push_back(clock.now()); });
+  result.overhead = outcome.overhead_per_window();
   return result;
 }
 

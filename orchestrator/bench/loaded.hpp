@@ -16,6 +16,7 @@ workflow::Workflow loaded(const run::Home& home, const std::string& path,
 struct WindowEnds {
   double begin = 0;  ///< s, before anything was started
   std::vector<double> ends;
+  double overhead = 0;  ///< s per window in which no participant worked
 };
 /// Runs the workflow's coupling, and nothing else of it, in a new run directory below `folder`.
 WindowEnds window_ends(const run::Home& home, const workflow::Workflow& workflow,

@@ -53,10 +53,20 @@ struct Promise {
 };
 constexpr std::array<Promise, 3> kPromises = {
     {{10, 5000, 30e-6, 10e-6}, {1000, 5000, 45e-6, 20e-6}, {100'000, 400, 800e-6, 0}}};
-constexpr double kRecordRate = 1e9;   // bytes/s
-constexpr double kAgainstIcy = 5000;  // times
-constexpr double kIdleStudy = 0.2;    // s
-constexpr double kInterval = 0.1;     // s between two looks of the stand-in for ICY
+constexpr double kRecordRate = 1e9;              // bytes/s
+constexpr double kAgainstIcy = 5000;             // times
+constexpr double kIdleStudy = 0.2;               // s
+constexpr std::int64_t kImpactWindows = 20'000;  // of 50 ns
+struct ImpactPromise {
+  const char* continuum;
+  const char* name;
+  double seconds;
+};
+constexpr std::array<ImpactPromise, 2> kImpacts = {
+    {{"fem", "finite elements", 20}, {"mpm", "material points", 90}}};
+constexpr double kImpactOverhead = 50e-6;  // s per window
+constexpr double kMapped = 1;              // s
+constexpr double kInterval = 0.1;          // s between two looks of the stand-in for ICY
 
 std::string microseconds(const bench::Spread& spread) {
   return fmt::format("{:9.1f} [{:.1f} to {:.1f}]", 1e6 * spread.median, 1e6 * spread.low,
@@ -146,6 +156,39 @@ void show_commands(const run::Home& home, const std::string& folder) {
              verdict(idle <= kIdleStudy));
 }
 
+void show_impact(const run::Home& home, const std::string& folder, std::int64_t divisor) {
+  const std::int64_t windows = kImpactWindows / divisor;
+  fmt::print("\nThe impact on a beam, YADE and FreeFEM, {} windows of 50 ns{}\n", windows,
+             divisor > 1 ? fmt::format(", times as for {}", kImpactWindows) : "");
+  double fem_window = 0;
+  for (const auto& [continuum, name, most] : kImpacts) {
+    const bench::ImpactTimes one = bench::impact(home, folder, continuum, windows);
+    // The start is not repeated.
+    const double all = one.all + static_cast<double>(divisor - 1) * one.windows;
+    fmt::print("  {:16}{:8.1f} s, at most {:.0f}: {}\n", name, all, most, verdict(all <= most));
+    fmt::print("    orchestrator  {:8.1f} us per window, at most {:.0f}: {}\n", 1e6 * one.overhead,
+               1e6 * kImpactOverhead, verdict(one.overhead <= kImpactOverhead));
+    if (fem_window == 0) fem_window = one.windows / static_cast<double>(windows - 1);
+    std::fflush(stdout);
+  }
+  const double alone = bench::impact_alone(home, folder, windows) / static_cast<double>(windows);
+  fmt::print(
+      "  sphere and finite elements in one FreeFEM {:.0f} us per window, coupled {:.0f}: "
+      "{:.2f} times as long\n",
+      1e6 * alone, 1e6 * fem_window, fem_window / alone);
+}
+
+void show_mapping() {
+  constexpr std::int64_t points = 1'000'000;
+  fmt::print("\nMapping from 180 000 triangles to {} points\n", points);
+  for (const bool linear : {false, true}) {
+    const bench::MappingTimes times = bench::mapping(points, linear);
+    fmt::print("  {:8} made in {:.2f} s, applied to vectors in {:.3f} s, together at most {}: {}\n",
+               linear ? "linear" : "nearest", times.made, times.applied, kMapped,
+               verdict(times.made + times.applied <= kMapped));
+  }
+}
+
 ExitCode execute(const Options& options) {
   Interrupt::install();
   const run::Home home = run::Home::find();
@@ -157,6 +200,8 @@ ExitCode execute(const Options& options) {
   if (options.wants("exchange")) show_exchange(home, scratch.path(), divisor);
   if (options.wants("record")) show_record(scratch.path(), divisor);
   if (options.wants("sphere")) show_sphere(home, scratch.path(), divisor);
+  if (options.wants("impacts")) show_impact(home, scratch.path(), divisor);
+  if (options.wants("mapping")) show_mapping();
   if (options.wants("commands")) show_commands(home, scratch.path());
   fmt::print("\nload {} at the end\n", load());
   return ExitCode::done;
@@ -170,9 +215,10 @@ void add_bench(CLI::App& app, Session& session) {
                             "  sandglass bench\n"
                             "  sandglass bench exchange record\n"
                             "  sandglass bench --short --folder /dev/shm");
-  verb->add_option("part", options->parts, "exchange, record, sphere, commands (default: all)")
+  verb->add_option("part", options->parts,
+                   "exchange, record, sphere, impacts, mapping, commands (default: all)")
       ->type_name("PART")
-      ->check(CLI::IsMember({"exchange", "record", "sphere", "commands"}));
+      ->check(CLI::IsMember({"exchange", "record", "sphere", "impacts", "mapping", "commands"}));
   verb->add_option("--folder", options->folder,
                    "the disk to measure with (default: the folder of temporary files)")
       ->type_name("DIR")
