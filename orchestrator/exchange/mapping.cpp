@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <nanoflann.hpp>
+#include <tuple>
 
 #include "base/error.hpp"
 
@@ -155,7 +156,8 @@ class Cells {
     tree_->within(at, (distance + radius_) * (1 + 1e-12), found_);
     std::array<double, 3> other{};
     for (const auto& [cell, square] : found_) {
-      if (cell == best) continue;
+      const double reach = distance + radius_;
+      if (cell == best || square > reach * reach * (1 + 1e-11)) continue;  // no longer near enough
       const double one = distance_to(at, cell, other);
       // Of equally near cells the first, however the tree is built.
       if (one < distance || (one == distance && cell < best)) {
@@ -179,6 +181,50 @@ class Cells {
   double radius_ = 0;
   std::unique_ptr<Tree> tree_;
   std::vector<std::pair<std::size_t, double>> found_;
+};
+
+/// Numbers of points, those near each other one after the other (along Morton's curve): what the
+/// search for one has read is then still in the cache for the next.
+std::vector<std::size_t> in_order_of_place(std::span<const double> points, int dimension) {
+  constexpr int levels = 10;  // of halving, along each axis
+  const std::size_t count = points.size() / static_cast<std::size_t>(dimension);
+  Point low{}, high{};
+  for (int k = 0; k < 3; ++k) {
+    low[k] = std::numeric_limits<double>::max();
+    high[k] = std::numeric_limits<double>::lowest();
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point at = point_at(points, dimension, i);
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], at[k]);
+      high[k] = std::max(high[k], at[k]);
+    }
+  }
+  std::vector<std::pair<std::uint32_t, std::size_t>> codes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point at = point_at(points, dimension, i);
+    std::uint32_t code = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double share = high[k] > low[k] ? (at[k] - low[k]) / (high[k] - low[k]) : 0;
+      const auto place =
+          static_cast<std::uint32_t>(std::clamp(share, 0.0, 1.0) * ((1 << levels) - 1));
+      for (int bit = 0; bit < levels; ++bit) code |= (place >> bit & 1U) << (3 * bit + k);
+    }
+    codes[i] = {code, i};
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<std::size_t> order(count);
+  std::transform(codes.begin(), codes.end(), order.begin(),
+                 [](const auto& one) { return one.second; });
+  return order;
+}
+
+/// Where a point lies on a surface.
+struct Place {
+  std::array<std::size_t, 3> numbers{};
+  std::array<double, 3> weights{};
+  std::size_t corners = 0;
+  double distance = 0;
 };
 
 }  // namespace
@@ -209,20 +255,27 @@ Mapping::Mapping(MappingMethod method, const Interface& surface, std::span<const
       all[i] = point_at(surface.points, surface.dimension, i);
     tree = std::make_unique<Tree>(std::move(all));
   }
-  for (std::size_t i = 0; i < count; ++i) {
+  std::vector<Place> places(count);
+  for (const std::size_t i : in_order_of_place(points, surface.dimension)) {
     const Point at = point_at(points, surface.dimension, i);
-    double distance = 0;
+    Place& place = places[i];
     if (cells) {
       std::span<const std::size_t> numbers;
-      std::array<double, 3> weights{};
-      distance = cells->nearest(at, numbers, weights);
-      add(numbers, std::span(weights).first(numbers.size()), distance);
+      place.distance = cells->nearest(at, numbers, place.weights);
+      place.corners = numbers.size();
+      std::copy(numbers.begin(), numbers.end(), place.numbers.begin());
     } else {
-      const auto [number, away] = tree->nearest(at);
-      distance = away;
-      const double whole = 1;
-      add(std::span(&number, 1), std::span(&whole, 1), distance);
+      std::tie(place.numbers[0], place.distance) = tree->nearest(at);
+      place.weights[0] = 1;
+      place.corners = 1;
     }
+  }
+  const std::size_t most = count * (cells ? static_cast<std::size_t>(surface.corners) : 1);
+  numbers_.reserve(most);
+  weights_.reserve(most);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [numbers, weights, corners, distance] = places[i];
+    add(std::span(numbers).first(corners), std::span(weights).first(corners), distance);
     if (!(distance <= limit)) {
       throw Error::participant(
           fmt::format("point {} at ({:.6g}) m is {:.6g} m from the interface it is mapped to", i,
