@@ -63,10 +63,10 @@ def apply_drag():
     return total
 
 
-# Fallen beads go on top of the fine layer, in places of their own, at rest.
+# Fallen beads go on top of all others, in places of their own, at rest.
 def put_back(window):
     away = is_aside()
-    top = beads('x')[~away, 2].max() + fine_diameter / 2
+    top = (beads('x')[:, 2] + radii)[~away].max()
     random = numpy.random.default_rng([{{seed}}, window])
     places = loose_places(numpy.count_nonzero(away), fine_diameter / 2, section, top, {{cloud_porosity}}, random)
     put('x', numbers[away], places)

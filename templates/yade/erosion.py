@@ -40,10 +40,10 @@ def apply_drag():
         O.forces.setPermF(number, (0, 0, -one * density_scaling))
 
 
-# Fallen beads go on top of the fine layer, in places of their own, at rest.
+# Fallen beads go on top of all others, in places of their own, at rest.
 def put_back(window):
     aside = [bead for bead in fines() if is_aside(bead)]
-    top = max(bead.state.pos[2] for bead in beads() if not is_aside(bead)) + fine_diameter / 2
+    top = max(bead.state.pos[2] + bead.shape.radius for bead in beads() if not is_aside(bead))
     random = numpy.random.default_rng([{{seed}}, window])
     for bead, place in zip(aside, loose_places(len(aside), fine_diameter / 2, section, top, {{cloud_porosity}}, random)):
         bead.state.pos = tuple(place)

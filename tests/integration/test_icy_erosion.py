@@ -237,8 +237,8 @@ def state_bytes(record):
 class Checkpoints(Case):
     """The state that a checkpoint holds is complete: what is on its way, aside, or held by friction. One thread, one rank."""
 
-    # Few beads in a layer so loose that the wall stops at once; they fall through from the first window on.
-    QUICK = dict(scale="small", fine_beads=600, layer_porosity=0.75, window="0.02 s", end_time="0.12 s")
+    # Few beads in a layer so loose that the wall stops at once; they fall through from the third window on or so.
+    QUICK = dict(scale="small", fine_beads=600, layer_porosity=0.75, window="0.04 s", end_time="0.24 s")
 
     def assert_repeats(self, dem):
         unbroken = self.sandglass("run", WORKFLOW, *sets(dem=dem, **self.QUICK), out=dem)
