@@ -51,6 +51,15 @@ struct SphereTimes {
 SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
                    std::int64_t windows);
 
+/// What the windows of the sphere take with everything left out that it does not need (the first
+/// one, without a name), and with each of these things put back.
+struct PutBack {
+  std::string name;
+  Spread window;
+};
+std::vector<PutBack> sphere_with_put_back(const run::Home& home, const std::string& folder,
+                                          std::int64_t windows);
+
 /// The same sphere coupled as ICY does (templates/bench/polling.py), which looks for its result
 /// every `interval` seconds.
 Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,

@@ -6,11 +6,13 @@
 namespace sandglass::bench {
 
 workflow::Workflow loaded(const run::Home& home, const std::string& path,
-                          const std::vector<workflow::Setting>& settings) {
+                          const std::vector<workflow::Setting>& settings,
+                          const std::vector<std::string>& put_back) {
   workflow::LoadOptions options;
   options.templates_root = home.templates();
   options.data_root = home.data();
   options.settings = settings;
+  options.keep = put_back;
   return workflow::load(path, options);
 }
 

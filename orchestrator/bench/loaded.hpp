@@ -10,7 +10,8 @@
 namespace sandglass::bench {
 
 workflow::Workflow loaded(const run::Home& home, const std::string& path,
-                          const std::vector<workflow::Setting>& settings);
+                          const std::vector<workflow::Setting>& settings,
+                          const std::vector<std::string>& put_back = {});
 
 /// When the windows of a coupling ended.
 struct WindowEnds {

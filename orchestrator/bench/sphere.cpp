@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <sstream>
 
@@ -16,6 +17,32 @@ SphereTimes sphere(const run::Home& home, const std::string& folder, bool fresh,
   scene.coupling->windows = windows + 1;
   const WindowEnds measured = window_ends(home, scene, folder);
   return {measured.ends.at(0) - measured.begin, spread_of(differences(measured.ends))};
+}
+
+std::vector<PutBack> sphere_with_put_back(const run::Home& home, const std::string& folder,
+                                          std::int64_t windows) {
+  const std::string path = home.root + "/workflows/icy_stokes_sphere.yaml";
+  const auto measure = [&](const std::vector<std::string>& put_back) {
+    workflow::Workflow scene = loaded(home, path, {}, put_back);
+    scene.coupling->windows = windows + 1;
+    return spread_of(differences(window_ends(home, scene, folder).ends));
+  };
+  std::vector<PutBack> all{{"", measure({})}};
+  const workflow::Workflow scene = loaded(home, path, {});
+  for (const workflow::LeftOut& one : scene.left_out) {
+    // A participant that is not asked again cannot do again what it is asked for.
+    std::vector<std::string> names{one.name};
+    for (const workflow::LeftOut& other : scene.left_out) {
+      if (!one.unchanged_inputs && other.of == one.of && other.unchanged_inputs) {
+        names.push_back(other.name);
+      }
+    }
+    all.push_back({fmt::format("{}", fmt::join(names, " and ")), measure(names)});
+  }
+  for (const std::string& field : scene.coupling->fields_left_out) {
+    all.push_back({field, measure({field})});
+  }
+  return all;
 }
 
 Spread polled_sphere(const run::Home& home, const std::string& folder, std::int64_t windows,

@@ -148,6 +148,18 @@ void show_sphere(const run::Home& home, const std::string& folder, std::int64_t 
   fmt::print("  start to the end of the first window: {:.2f} s\n", resident.start);
 }
 
+void show_pruning(const run::Home& home, const std::string& folder, std::int64_t divisor) {
+  const std::int64_t windows = 1000 / divisor;
+  fmt::print("\nLeaving out what the settling sphere does not need, {} windows: us per window\n",
+             windows);
+  const auto all = bench::sphere_with_put_back(home, folder, windows);
+  fmt::print("  all left out  {}\n", microseconds(all[0].window));
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    fmt::print("  put back      {}, {:.2f} times as long: {}\n", microseconds(all[i].window),
+               all[i].window.median / all[0].window.median, all[i].name);
+  }
+}
+
 void show_commands(const run::Home& home, const std::string& folder) {
   fmt::print("\nresume of the sphere, from the command to the first new window: {:.2f} s\n",
              bench::resume_seconds(home, folder));
@@ -202,6 +214,7 @@ ExitCode execute(const Options& options) {
   if (options.wants("sphere")) show_sphere(home, scratch.path(), divisor);
   if (options.wants("impacts")) show_impact(home, scratch.path(), divisor);
   if (options.wants("mapping")) show_mapping();
+  if (options.wants("pruning")) show_pruning(home, scratch.path(), divisor);
   if (options.wants("commands")) show_commands(home, scratch.path());
   fmt::print("\nload {} at the end\n", load());
   return ExitCode::done;
@@ -216,9 +229,10 @@ void add_bench(CLI::App& app, Session& session) {
                             "  sandglass bench exchange record\n"
                             "  sandglass bench --short --folder /dev/shm");
   verb->add_option("part", options->parts,
-                   "exchange, record, sphere, impacts, mapping, commands (default: all)")
+                   "exchange, record, sphere, impacts, mapping, pruning, commands (default: all)")
       ->type_name("PART")
-      ->check(CLI::IsMember({"exchange", "record", "sphere", "impacts", "mapping", "commands"}));
+      ->check(CLI::IsMember(
+          {"exchange", "record", "sphere", "impacts", "mapping", "pruning", "commands"}));
   verb->add_option("--folder", options->folder,
                    "the disk to measure with (default: the folder of temporary files)")
       ->type_name("DIR")

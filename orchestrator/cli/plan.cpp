@@ -7,6 +7,7 @@
 #include "cli/terminal.hpp"
 #include "run/savings.hpp"
 #include "run/solvers.hpp"
+#include "study/study.hpp"
 #include "workflow/json.hpp"
 
 namespace sandglass::cli {
@@ -56,7 +57,9 @@ void show_left_out(const workflow::Workflow& workflow) {
   }
   for (const workflow::Stage& stage : workflow.stages) {
     if (!stage.reuse) continue;
-    fmt::print("  stage {}: where it was made of the same before, that is taken\n", stage.name);
+    const auto measured = savings.find(stage.name);
+    fmt::print("  stage {}: where it was made of the same before, that is taken; {}\n", stage.name,
+               measured == savings.end() ? run::MeasuredSaving().text() : measured->second.text());
     any = true;
   }
   if (workflow.coupling) {
@@ -72,22 +75,70 @@ void show_left_out(const workflow::Workflow& workflow) {
   if (!any) fmt::print("  nothing\n");
 }
 
+std::string points(std::size_t count) {
+  return fmt::format("{} point{}", count, count == 1 ? "" : "s");
+}
+
+/// What a call of `study` would do.
+void show_study(const study::Plan& plan) {
+  std::size_t good = 0;
+  for (const study::Reason& reason : plan.reasons) good += reason.lines.empty() ? 1 : 0;
+  fmt::print("Study of {}: {} would be run, {} there already and good", points(plan.points),
+             plan.reasons.size() - good, good);
+  if (plan.twins > 0) fmt::print(", {} the same as another", plan.twins);
+  fmt::print("\n");
+  for (const study::Reason& reason : plan.reasons) {
+    fmt::print("  {:6} {}{}\n", reason.lines.empty() ? "there" : "run", reason.point,
+               reason.lines.empty() ? "" : ": " + reason.lines.front());
+  }
+  fmt::print("\nLeft out in the points\n");
+  for (const study::LeftOut& one : plan.left_out) {
+    fmt::print("  {}: {} ({}); in {}, ", one.name, one.what, one.why, points(one.points));
+    if (one.measured > 0) {
+      fmt::print("saved {:.3g} s in the {} that measured it\n", one.saved, one.measured);
+    } else {
+      fmt::print("saving unknown: no run of them has measured it\n");
+    }
+  }
+  if (plan.left_out.empty()) fmt::print("  nothing\n");
+}
+
+void show_run(const workflow::Workflow& workflow) {
+  show_stages(workflow);
+  if (workflow.coupling) show_coupling(workflow);
+  show_left_out(workflow);
+}
+
+ExitCode execute(const WorkflowOptions& options, const std::string& out) {
+  workflow::LoadOptions load = options.load_options();
+  load.settings.clear();  // of the workflow that a study names
+  load.keep.clear();
+  const workflow::Workflow file = workflow::load(options.file, load);
+  // A file may be a study of itself: then `run` and `study` both mean something.
+  if (!file.study || file.study->of.empty()) show_run(options.load());
+  if (!file.study) return ExitCode::done;
+  if (file.study->of.empty()) fmt::print("\n");
+  study::Options asked;
+  asked.file = options.file;
+  asked.load = options.load_options();
+  asked.out = out;
+  show_study(study::plan(asked, run::Home::find()));
+  return ExitCode::done;
+}
+
 }  // namespace
 
 void add_plan(CLI::App& app, Session& session) {
   auto options = std::make_shared<WorkflowOptions>();
   CLI::App* verb =
       add_verb(app, "plan", "show what would be run, sent and written, and what is left out",
-               "  sandglass plan workflows/icy_stokes_sphere.yaml --set fluid=box");
+               "  sandglass plan workflows/icy_stokes_sphere.yaml --set fluid=box\n"
+               "  sandglass plan workflows/icy_stokes_stability.yaml");
   options->add_to(*verb);
-  verb->callback([&session, options] {
-    session.action = [options] {
-      const workflow::Workflow workflow = options->load();
-      show_stages(workflow);
-      if (workflow.coupling) show_coupling(workflow);
-      show_left_out(workflow);
-      return ExitCode::done;
-    };
+  auto out = std::make_shared<std::string>();
+  verb->add_option("--out", *out, "the folder of a study (default: runs/NAME)")->type_name("DIR");
+  verb->callback([&session, options, out] {
+    session.action = [options, out] { return execute(*options, *out); };
   });
 }
 

@@ -18,6 +18,7 @@ ExitCode execute(const std::string& directory, const std::vector<std::string>& c
     ended = run::resume(directory, run::Home::find(), options, status);
   }
   if (ended.complete_before) fmt::print("nothing to resume: this run came to its end\n");
+  if (ended.went_on_behind > 0) fmt::print("went on behind window {}\n", ended.went_on_behind);
   return show_ended(ended);
 }
 

@@ -65,23 +65,31 @@ std::optional<std::int64_t> window_of(const std::string& name) {
   return window;
 }
 
-}  // namespace
-
-Checkpoints::Checkpoints(const RunDirectory& directory) : folder_(directory.file("checkpoints")) {}
-
-std::string Checkpoints::path(std::int64_t window) const {
-  return fmt::format("{}/{:09}", folder_, window);
-}
-
-std::vector<std::int64_t> Checkpoints::windows() const {
+std::vector<std::int64_t> windows_in(const std::string& folder) {
   std::vector<std::int64_t> found;
-  if (!fs::is_directory(folder_)) return found;
-  for (const auto& entry : fs::directory_iterator(folder_)) {
+  if (!fs::is_directory(folder)) return found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
     if (const auto window = window_of(entry.path().filename().string())) found.push_back(*window);
   }
   std::sort(found.begin(), found.end());
   return found;
 }
+
+constexpr const char* kFolder = "checkpoints";
+
+}  // namespace
+
+std::vector<std::int64_t> windows_with_checkpoint(const std::string& run_directory) {
+  return windows_in(run_directory + "/" + kFolder);
+}
+
+Checkpoints::Checkpoints(const RunDirectory& directory) : folder_(directory.file(kFolder)) {}
+
+std::string Checkpoints::path(std::int64_t window) const {
+  return fmt::format("{}/{:09}", folder_, window);
+}
+
+std::vector<std::int64_t> Checkpoints::windows() const { return windows_in(folder_); }
 
 std::optional<std::int64_t> Checkpoints::newest(std::int64_t until) const {
   std::optional<std::int64_t> best;

@@ -16,6 +16,9 @@ struct CouplingState {
   std::map<std::string, std::vector<double>> arrays;  ///< coupling::Memory
 };
 
+/// The windows of a run that have a checkpoint, ascending.
+std::vector<std::int64_t> windows_with_checkpoint(const std::string& run_directory);
+
 /// The checkpoints of a run: folders checkpoints/NNNNNNNNN, one per window behind which the run can
 /// go on, each with one file or folder per participant that has a state, and coupling.h5.
 ///

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
 #include "coupling/engine.hpp"
 #include "exchange/transform.hpp"
+#include "hdf5/hdf5.hpp"
 #include "record/checkpoint.hpp"
 #include "record/record.hpp"
 #include "run/solvers.hpp"
@@ -291,7 +293,22 @@ class CoupledRun {
     memory_ = std::move(state.arrays);
     outcome_.windows = span_.behind;
     outcome_.windows_taken = span_.behind;
+    if (span_.keeps_record) add_earlier_seconds();
     outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
+  }
+
+  /// What the windows that were taken over took, as their record has it.
+  void add_earlier_seconds() {
+    const hdf5::File record(directory_.file("record.h5"), hdf5::File::Mode::read);
+    const auto sum = [&](const std::string& column) {
+      const auto seconds = record.read_numbers("/timings/" + column, span_.behind);
+      return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+    };
+    for (const auto& participant : participants_) {
+      outcome_.participant_seconds[participant->name()] += sum(participant->name());
+    }
+    outcome_.exchange_seconds += sum("exchange");
+    outcome_.record_seconds += sum("record");
   }
 
   [[nodiscard]] bool has(const Participant& participant, const char* ability) const {

@@ -27,7 +27,8 @@ std::string text_of(const Made& made) {
   const Json json = {{"format", 1},
                      {"made_of", made.made_of},
                      {"products", record::to_json(made.products)},
-                     {"seconds", made.seconds}};
+                     {"seconds", made.seconds},
+                     {"taken", made.taken}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -63,7 +64,7 @@ std::string kept_root() {
 void store_made(const workflow::Stage& stage, const record::RunDirectory& directory,
                 const std::string& made_of, double seconds) {
   const std::string folder = stage_folder(stage, directory);
-  Made made{made_of, {}, seconds};
+  Made made{made_of, {}, seconds, false};
   for (const std::string& product : stage.makes) {
     made.products.push_back({product, digest_of_file(folder + "/" + product)});
   }
@@ -74,7 +75,7 @@ std::optional<Made> made_in(const std::string& folder) {
   if (!fs::exists(folder + kMade)) return std::nullopt;
   try {
     const Json json = Json::parse(read_file(folder + kMade));
-    Made made{json.at("made_of"), {}, json.at("seconds")};
+    Made made{json.at("made_of"), {}, json.at("seconds"), json.value("taken", false)};
     for (const Json& one : json.at("products")) {
       made.products.push_back({one.at("path"), one.at("digest")});
       if (digest_of_file(folder + "/" + made.products.back().path) != made.products.back().digest) {
@@ -121,8 +122,9 @@ std::optional<Made> KeptProducts::take(const workflow::Stage& stage, const std::
                                        const record::RunDirectory& directory) const {
   if (root_.empty()) return std::nullopt;
   const std::string kept = folder(stage, made_of);
-  const std::optional<Made> made = made_in(kept);
+  std::optional<Made> made = made_in(kept);
   if (!made || made->made_of != made_of) return std::nullopt;
+  made->taken = true;
   copy_made(*made, kept, stage_folder(stage, directory));
   return made;
 }

@@ -17,6 +17,7 @@ struct Made {
   std::string made_of;  ///< digest of all that decides the products; empty where nobody asked
   std::vector<record::UsedFile> products;  ///< relative to the stage's folder
   double seconds = 0;                      ///< that making them took
+  bool taken = false;                      ///< made by another run, and taken over
 };
 
 /// Stores what the stage made in its folder of the run.

@@ -86,6 +86,7 @@ class Run {
     close(ended);
     ended.code = static_cast<ExitCode>(result_.exit_code);
     ended.error = result_.error;
+    ended.went_on_behind = outcome_.windows_taken;
     return ended;
   }
 
@@ -118,7 +119,7 @@ class Run {
       } else {
         make(stage);
       }
-      stage_seconds_[stage.name] = clock_.now() - start;
+      stage_seconds_[stage.name] += clock_.now() - start;
       ended = seconds_since_1970();
     }
   }
@@ -127,23 +128,36 @@ class Run {
   /// another one.
   void make(const workflow::Stage& stage) {
     const double start = clock_.now();
-    if (resumed_ && !stage.analysis && made_in(directory_.file("stages/" + stage.name))) return;
+    if (resumed_ && !stage.analysis) {
+      if (const auto made = made_in(directory_.file("stages/" + stage.name))) {
+        return made->taken ? take(stage, *made) : go_on_with(stage, *made);
+      }
+    }
     std::string made_of;
     if (stage.reuse) {
       made_of = KeptProducts::made_of(stage, home_, directory_, scripts_, program_of(stage));
-      if (const auto made = kept_.take(stage, made_of, directory_)) {
-        result_.left_out.push_back(
-            {stage.name, "stage " + stage.name,
-             fmt::format("made of the same before (digest {}), and kept", made_of.substr(0, 16)),
-             made->seconds});
-        return;
-      }
+      if (const auto made = kept_.take(stage, made_of, directory_)) return take(stage, *made);
     }
     const Exit ended = run_stage(stage, home_, directory_, scripts_);
     peak_memory_[stage.name] = ended.peak_memory_bytes;
     if (stage.analysis) return;
     store_made(stage, directory_, made_of, clock_.now() - start);
     if (stage.reuse) kept_.keep(stage, made_of, directory_);
+  }
+
+  /// Another run made the stage's products.
+  void take(const workflow::Stage& stage, const Made& made) {
+    made_before_[stage.name] = made.seconds;
+    result_.left_out.push_back(
+        {stage.name, "stage " + stage.name,
+         fmt::format("made of the same before (digest {}), and kept", made.made_of.substr(0, 16)),
+         made.seconds});
+  }
+
+  /// An earlier part of this run made the stage's products.
+  void go_on_with(const workflow::Stage& stage, const Made& made) {
+    stage_seconds_[stage.name] = made.seconds;
+    seconds_of_earlier_stages_ += made.seconds;
   }
 
   /// Its program as the provenance knows it; a command's is known by its words.
@@ -170,9 +184,6 @@ class Run {
   void couple() {
     const double start = clock_.now();
     const Span span = this->span();
-    if (span.behind > 0) {
-      outcome_.notes.push_back(fmt::format("run: went on behind window {}", span.behind));
-    }
     progress_.windows = workflow_.coupling->windows;
     progress_.end = static_cast<double>(progress_.windows) * workflow_.coupling->window;
     run_coupling(workflow_, home_, directory_, scripts_, span, outcome_,
@@ -240,7 +251,10 @@ class Run {
 
   /// All parts of a resumed run, as far as their work counts.
   [[nodiscard]] double wall_time() const {
-    return outcome_.elapsed_before + clock_.now() - started_;
+    // A checkpoint knows of all before it.
+    const double before =
+        outcome_.windows_taken > 0 ? outcome_.elapsed_before : seconds_of_earlier_stages_;
+    return before + clock_.now() - started_;
   }
 
   void make_report(Ended& ended) {
@@ -332,10 +346,10 @@ class Run {
         {"record", outcome_.record_seconds},
         {"checkpoints", outcome_.checkpoint_seconds},
         {"render", scripts_.seconds()},
-        {"orchestrator", outcome_.overhead_per_window() *
-                             static_cast<double>(outcome_.windows - outcome_.windows_taken)},
+        {"orchestrator", outcome_.overhead_per_window() * static_cast<double>(outcome_.windows)},
         {"start", outcome_.start_seconds},
         {"stages", stage_seconds_},
+        {"made_before", made_before_},
         {"report", report_seconds_}};
     for (const auto& [name, bytes] : outcome_.peak_memory_bytes) peak_memory_[name] = bytes;
     json["peak_memory_bytes"] = peak_memory_;
@@ -365,6 +379,9 @@ class Run {
   /// By seconds_since_1970; 0 for the end of one that failed.
   std::map<std::string, std::pair<double, double>> stage_times_;
   std::map<std::string, double> peak_memory_;
+  /// By name of the stage, what making its products took another run.
+  std::map<std::string, double> made_before_;
+  double seconds_of_earlier_stages_ = 0;  ///< of this run, before it was resumed
   double report_seconds_ = 0;
 };
 

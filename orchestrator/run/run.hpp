@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -22,10 +23,11 @@ struct Options {
 /// How a run ended. The same is in result.json.
 struct Ended {
   ExitCode code = ExitCode::done;
-  std::string error;             ///< empty when all went well
-  std::string directory;         ///< of the run
-  std::string report;            ///< path of report.html; empty when none could be made
-  bool complete_before = false;  ///< there was nothing to resume
+  std::string error;                ///< empty when all went well
+  std::string directory;            ///< of the run
+  std::string report;               ///< path of report.html; empty when none could be made
+  bool complete_before = false;     ///< there was nothing to resume
+  std::int64_t went_on_behind = 0;  ///< this window, from its checkpoint; 0: from the start
 };
 
 /// Executes one workflow: stages in order, the coupling among them, comparisons, result, report.

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "record/checkpoint.hpp"
 
 namespace sandglass::study {
 namespace {
@@ -65,6 +66,10 @@ Outcome StudyDirectory::outcome(const std::string& point) const {
     }
   }
   return outcome;
+}
+
+bool StudyDirectory::has_checkpoint(const std::string& point) const {
+  return !record::windows_with_checkpoint(run_of(point)).empty();
 }
 
 void StudyDirectory::write(const std::string& study_file, const std::vector<Entry>& entries) const {

@@ -52,6 +52,8 @@ class StudyDirectory {
   /// Removes what an earlier run of the point has left and notes what the next one is made of.
   void prepare(const std::string& point, const MadeOf& made_of) const;
   [[nodiscard]] Outcome outcome(const std::string& point) const;
+  /// The point's run left a checkpoint to go on behind.
+  [[nodiscard]] bool has_checkpoint(const std::string& point) const;
 
   /// study.json: the points in order and, where a point is another one's twin, whose.
   struct Entry {

@@ -45,6 +45,7 @@ struct Prepared {
   MadeOf made_of;
   std::size_t runs_as = 0;  ///< index of the point whose run is its own: itself, or its twin's
   nlohmann::ordered_json parameters;
+  std::vector<workflow::LeftOut> left_out;
 };
 
 class Study {
@@ -105,7 +106,10 @@ class Study {
           const std::string& program = run::solver(name).program;
           programs_[program] = find_program(program);
         }
-        Prepared one{std::move(point), ingredients.of(workflow), points_.size(), {}};
+        Prepared one{std::move(point), ingredients.of(workflow), points_.size(), {}, {}};
+        for (const workflow::LeftOut& item : workflow.left_out) {
+          if (item.active) one.left_out.push_back(item);
+        }
         const nlohmann::ordered_json resolved = workflow::to_json(workflow);
         for (const auto& [name, parameter] : resolved.at("parameters").items()) {
           one.parameters[name] = parameter.at("value");
@@ -128,10 +132,14 @@ class Study {
   [[nodiscard]] std::vector<std::string> reasons(const Prepared& one) const {
     const MadeOf before = directory_.made_of(one.point.name);
     const Outcome outcome = directory_.outcome(one.point.name);
-    if (before.parts.empty()) return {"was never run"};
+    std::error_code unseen;
+    // What a point would be made of is noted before its turn comes.
+    const bool begun = fs::exists(directory_.run_of(one.point.name), unseen);
+    if (before.parts.empty() || !begun) return {"was never run"};
     std::vector<std::string> lines = differences(before, one.made_of);
     if (!lines.empty()) return lines;
     if (outcome.state == Outcome::State::running) return {"is running"};
+    if (can_go_on(one)) return {"its run was ended on its way: it goes on behind a checkpoint"};
     if (outcome.state == Outcome::State::left) return {"its run ended without a result"};
     if (outcome.final()) return {};
     return {fmt::format("its run failed: {}", outcome.result->error)};
@@ -145,6 +153,22 @@ class Study {
     return all;
   }
 
+  [[nodiscard]] Plan plan() const {
+    Plan plan{points_.size(), 0, all_reasons(), {}};
+    plan.twins = plan.points - plan.reasons.size();
+    std::map<std::string, std::size_t> known;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (points_[i].runs_as != i) continue;
+      const Outcome outcome = directory_.outcome(points_[i].point.name);
+      for (const workflow::LeftOut& item : points_[i].left_out) {
+        const auto [found, is_new] = known.emplace(item.name, plan.left_out.size());
+        if (is_new) plan.left_out.push_back({item.name, item.what, item.why});
+        add_measured(outcome, plan.left_out[found->second]);
+      }
+    }
+    return plan;
+  }
+
   void run_points(const Listener& listener) {
     write_entries();
     std::vector<Task> tasks;
@@ -153,6 +177,10 @@ class Study {
       if (one.runs_as != i) continue;
       if (!options_.again && reasons(one).empty()) {
         ++reused_;
+        continue;
+      }
+      if (can_go_on(one)) {
+        tasks.push_back(going_on_with(one.point));
         continue;
       }
       directory_.prepare(one.point.name, one.made_of);
@@ -203,6 +231,36 @@ class Study {
   [[nodiscard]] const StudyDirectory& directory() const { return directory_; }
 
  private:
+  static void add_measured(const Outcome& outcome, LeftOut& item) {
+    ++item.points;
+    if (!outcome.result) return;
+    for (const report::Saving& one : outcome.result->left_out) {
+      if (one.name != item.name || !one.saving_s) continue;
+      ++item.measured;
+      item.saved += *one.saving_s;
+    }
+  }
+
+  /// Killed or interrupted on its way, behind a checkpoint, and made of the same as now. What
+  /// failed by itself is run anew.
+  [[nodiscard]] bool can_go_on(const Prepared& one) const {
+    const MadeOf before = directory_.made_of(one.point.name);
+    if (options_.again || before.parts.empty() || !differences(before, one.made_of).empty()) {
+      return false;
+    }
+    const Outcome outcome = directory_.outcome(one.point.name);
+    const bool interrupted =
+        outcome.result && static_cast<ExitCode>(outcome.result->exit_code) == ExitCode::interrupted;
+    return (outcome.state == Outcome::State::left || interrupted) &&
+           directory_.has_checkpoint(one.point.name);
+  }
+
+  [[nodiscard]] Task going_on_with(const Point& point) const {
+    return {point.name,
+            {fs::read_symlink("/proc/self/exe").string(), "resume", directory_.run_of(point.name)},
+            directory_.log_of(point.name)};
+  }
+
   [[nodiscard]] Task task_of(const Point& point) const {
     Task task{point.name, {}, directory_.log_of(point.name)};
     task.arguments = {fs::read_symlink("/proc/self/exe").string(), "run", base_};
@@ -312,6 +370,12 @@ Ended execute(const Options& options, const run::Home& home, const Listener& lis
   study.prepare();
   study.run_points(listener);
   return study.conclude(status);
+}
+
+Plan plan(const Options& options, const run::Home& home) {
+  Study study(options, home);
+  study.prepare();
+  return study.plan();
 }
 
 std::vector<Reason> why(const Options& options, const run::Home& home) {

@@ -60,4 +60,21 @@ struct Reason {
 /// The reasons of every point, in order; nothing is run or changed. Twins are not listed.
 std::vector<Reason> why(const Options& options, const run::Home& home);
 
+/// Something that points of a study do not need, as workflow::LeftOut.
+struct LeftOut {
+  std::string name, what, why;
+  std::size_t points = 0;    ///< that leave it out
+  std::size_t measured = 0;  ///< of those, the ones whose runs have measured what it saves
+  double saved = 0;          ///< s, in these runs together
+};
+
+/// What a call would do.
+struct Plan {
+  std::size_t points = 0;
+  std::size_t twins = 0;        ///< resolve to the same workflow as another one
+  std::vector<Reason> reasons;  ///< as why()
+  std::vector<LeftOut> left_out;
+};
+Plan plan(const Options& options, const run::Home& home);
+
 }  // namespace sandglass::study

@@ -66,6 +66,11 @@ const Parameter* chooser(const Scope& scope, const Declared& declared) {
 
 }  // namespace
 
+bool Context::puts_back(const std::string& name) const {
+  return options.keep_all ||
+         std::find(options.keep.begin(), options.keep.end(), name) != options.keep.end();
+}
+
 const Template* TemplateShelf::get(const std::string& path, const Place& used_at,
                                    Problems& problems) {
   const auto [entry, fresh] = shelf_.try_emplace(path);

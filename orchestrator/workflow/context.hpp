@@ -38,6 +38,9 @@ struct Context {
   Problems& problems;
   Scope scope;
   TemplateShelf& templates;
+
+  /// --no-prune asks that what has this name is not left out.
+  [[nodiscard]] bool puts_back(const std::string& name) const;
 };
 
 /// A named map of a section, such as one stage.

@@ -274,7 +274,6 @@ void read_fields(const Context& context, const Section& section, const Order& or
   std::vector<std::string> names;
   for (const Node::Key& key : map->keys) names.push_back(key.text);
   const Recorded recorded = read_record(context, names);
-  const auto& keep = context.options.keep;
   const std::set<std::string> used = used_by_mappings(*map);
   for (size_t i = 0; i < map->keys.size(); ++i) {
     if (map->items[i].kind != Node::Kind::map) continue;
@@ -282,8 +281,7 @@ void read_fields(const Context& context, const Section& section, const Order& or
     Field field = read_field(context, declared, order, recorded);
     if (!applies(*declared.node, context.scope) || !contains(order.running, field.from)) continue;
     if (!contains(order.running, field.to)) field.to.clear();
-    const bool put_back =
-        context.options.keep_all || contains(keep, field.name) || used.contains(field.name);
+    const bool put_back = context.puts_back(field.name) || used.contains(field.name);
     if (field.to.empty() && !field.recorded && !put_back) {
       coupling.fields_left_out.push_back(field.name);
     } else {

@@ -38,6 +38,9 @@ void check_kept_names(const Node& root, const LoadOptions& options) {
   };
   collect(root.find("left_out"));
   if (const Node* coupling = root.find("coupling")) collect(coupling->find("fields"));
+  const Node* stages = root.find("stages");
+  for (std::size_t i = 0; stages && stages->kind == Node::Kind::map && i < stages->keys.size(); ++i)
+    if (stages->items[i].find("reuse")) valid.push_back(stages->keys[i].text);
   for (const std::string& name : options.keep) {
     if (std::find(valid.begin(), valid.end(), name) != valid.end()) continue;
     throw Error::usage(fmt::format("nothing called {} can be left out", in_quotes(name)),

@@ -19,11 +19,6 @@ Solver solver_of(const std::string& name) {
 }
 
 /// Whether --no-prune puts it back.
-bool kept(const LoadOptions& options, const std::string& name) {
-  return options.keep_all ||
-         std::find(options.keep.begin(), options.keep.end(), name) != options.keep.end();
-}
-
 void check_keys(const Context& context, const Section& section, const Participant& participant,
                 const std::string& solver) {
   const auto needs = [&](const char* key, const char* example) {
@@ -66,7 +61,7 @@ void add_switches(const Context& context, const Declared& declared, const Scope&
     const bool told = section.text("of") == declared.name ||
                       std::find(also.begin(), also.end(), declared.name) != also.end();
     if (!told || !applies(*each.node, scope) || by_unchanged_inputs(section)) continue;
-    const Given flag{Value(!kept(context.options, each.name)), std::nullopt, each.place};
+    const Given flag{Value(!context.puts_back(each.name)), std::nullopt, each.place};
     if (!given.emplace(each.name, flag).second) {
       context.problems.add(each.place,
                            fmt::format("'{}' is also given to '{}'", each.name, declared.name),
@@ -116,7 +111,7 @@ void read_left_out(const Context& context, Workflow& workflow) {
                  .also = section.texts("also"),
                  .what = section.text("what"),
                  .why = section.text("why"),
-                 .active = !kept(context.options, each.name),
+                 .active = !context.puts_back(each.name),
                  .unchanged_inputs = by_unchanged_inputs(section),
                  .place = each.place};
     if (std::find(participants.begin(), participants.end(), item.of) == participants.end()) {

@@ -80,7 +80,7 @@ std::optional<Stage> read_stage(const Context& context, const Declared& declared
   stage.given =
       read_given(context, variant.scope, variant.node, applies(variant.node, variant.scope));
   stage.makes = section.texts("makes");
-  stage.reuse = section.toggle("reuse");
+  stage.reuse = section.toggle("reuse") && !context.puts_back(stage.name);
   stage.analysis = section.toggle("analysis");
   stage.deadline = section.number("deadline", stage.program == Program::coupling ? 0 : 600);
   for (const std::string& file : stage.makes) {

@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from case import (DONE, INTERRUPTED, MISMATCH, PARTICIPANT, REFUSED, USAGE, change, copy_of_home, read,  # noqa: E402
                   wait_until, write)
 from pair import FaultCase, command  # noqa: E402
+from test_resume import datasets  # noqa: E402
 
 BAD = "exit=3"
 SCENE = """\
@@ -239,6 +240,41 @@ class Interrupted(StudyCase):
     def test_by_kill(self):
         self.stop("killed", signal.SIGKILL)
         self.go_on("killed")
+
+    def test_a_point_goes_on_behind_its_checkpoint(self):
+        """Killed with its study in the middle of a point: the next call does not begin that point anew."""
+        scene = (SCENE.replace(command(), command("advance", "late=0.005")).replace("end: 3 ms", "end: 300 ms")
+                 + "record: {checkpoint_every: 10}\n")
+        self.place.write("long.yaml", scene)
+        text = "sandglass: 1\nname: %s\nstudy:\n  of: long.yaml\n  points: [{grid: {seed: [1, 2]}}]\n"
+        for name in ("whole", "gone_on"):
+            self.place.write(name + ".yaml", text % name)
+        self.assert_code(self.study("whole"), DONE)
+        started = self.place.start("study", self.place.join("gone_on.yaml"), "--jobs", "1", home=self.home, out="gone_on")
+        checkpoint = self.place.join("gone_on", "points", "seed=1", "checkpoints", "000000050")
+        self.assertTrue(wait_until(lambda: os.path.isdir(checkpoint), 100))
+        started.signal(signal.SIGKILL)
+        started.wait(30)
+        self.assertEqual(self.place.left_over(5), {})
+        self.assertEqual(self.why("gone_on"), "seed=1\n    its run was ended on its way: it goes on behind a checkpoint\n"
+                         "seed=2\n    was never run\n2 of 2 points would be run\n")
+        ended = self.study("gone_on")
+        self.assert_code(ended, DONE)
+        self.assertIn("2 points: 2 run", ended.out)
+        self.assertRegex(read(self.place.join("gone_on", "logs", "seed=1.log")), r"went on behind window [5-9]0\n")
+        for point in ("seed=1", "seed=2"):
+            ours, theirs = (self.place.join(name, "points", point) for name in ("gone_on", "whole"))
+            self.assertEqual(datasets(os.path.join(ours, "record.h5")), datasets(os.path.join(theirs, "record.h5")))
+        # Nothing tells them apart but the times, which count all parts, and what else the machine had to do.
+        points, others = self.points("gone_on"), self.points("whole")
+        for one in list(points.values()) + list(others.values()):
+            seconds = one.pop("seconds")
+            one.pop("load")
+            self.assertGreater(seconds["right"], 300 * 0.005)
+            self.assertGreater(seconds["run"], 300 * 0.005)
+        self.assertEqual(points, others)
+        # What the point is made of changed: it is begun anew.
+        self.assertIn("2 points: 2 run", self.study("gone_on", "--set", "length=4").out)
 
     def test_two_at_a_time_are_refused(self):
         self.file("twice", ["set: {deed: stall}"])
