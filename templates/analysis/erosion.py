@@ -5,6 +5,9 @@ import csv
 import h5py
 import meshio
 import numpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
 
 import sandglass_analysis as sandglass
 from sandglass_column import WATER_WEIGHT, kozeny_carman
@@ -51,13 +54,14 @@ half = numpy.searchsorted(passed, beads_total / 2)
 quantity('half_time', record.time[half] if half < len(passed) else None, 's',
          'when as many passages as half of the fine beads had happened, to the window')
 
-residual = balance = None
+residual = balance = share = None
+with h5py.File({{start}}, 'r', locking=False) as file:
+    start_porosity, start_surface = file['porosity'][...], file['specific_surface'][...]
 if 'pressure_difference' in record:
     difference = record['pressure_difference']          # Pa [windows, cells]
     head = record['head'][:, 0]                         # m
-    with h5py.File({{start}}, 'r', locking=False) as file:
-        porosity = numpy.vstack((file['porosity'][...], record['porosity'][:-1]))
-        surface = numpy.vstack((file['specific_surface'][...], record['specific_surface'][:-1]))
+    porosity = numpy.vstack((start_porosity, record['porosity'][:-1]))
+    surface = numpy.vstack((start_surface, record['specific_surface'][:-1]))
 {{#drag.constant}}
     porosity, surface = porosity[:1].repeat(record.windows, 0), surface[:1].repeat(record.windows, 0)
 {{/drag.constant}}
@@ -99,17 +103,6 @@ quantity('darcy_residual_max', residual, '1',
 quantity('drag_balance_error_max', balance, '1', "sum of the beads' drag against head loss x area x weight of water")
 quantity('porosity_of_cells', record['porosity'][-1], '1', 'of each cell, from below, last window')
 
-
-
-# For ParaView: points with their radii, to be shown as spheres.
-def write_beads(name, position):
-    meshio.write(name, meshio.Mesh(position, [('vertex', numpy.arange(len(position))[:, None])], point_data={'radius': radius}))
-
-
-write_beads('specimen.vtu', start_position)
-if 'position' in record:
-    write_beads('beads_at_the_end.vtu', record['position'][-1, : len(radius)])
-
 curve = sandglass.curve
 curve('eroded_mass', time, mass, 's', 'kg', 'this run', 'computed')
 per_area = [curve('eroded_mass_per_area', time, mass / area, 's', 'kg/m2', 'this run', 'computed')]
@@ -123,18 +116,37 @@ for name, points, label in (('icy_five_cells', [(48, 2.41)], 'ICY, five cells (p
     x, y = numpy.array(points, dtype=float).T
     per_area.append(curve(name, x, y * GRAM_PER_CM2, 's', 'kg/m2', label, 'published', y_name='eroded_mass_per_area',
                           source=printed))
-with open({{measured}}, newline='') as file:
-    rows = [row for row in csv.reader(line for line in file if not line.startswith('#'))][1:]
-x, y = numpy.array([[float(one) for one in row[:2]] for row in rows]).T
-eroded_in_test = 0.195 / 78.54e-4  # kg/m2, +- 2.5 g, without the 3.2 g that fell before the flow
-ended = x <= 180  # s; it ends at 140 s
-per_area.append(curve('experiment_settlement', x[ended], y[ended] / y[-1] * eroded_in_test, 's', 'kg/m2', 'test 971121, by settlement', 'measured',
-                      y_name='eroded_mass_per_area', source='Tomlinson (1997), Figure 16; data/tomlinson_vaid'))
+
+
+def digitised(path):
+    with open(path, newline='') as file:
+        rows = [row for row in csv.reader(line for line in file if not line.startswith('#'))][1:]
+    return numpy.array([[float(one) for one in row[:2]] for row in rows]).T
+
+
+# The settlement says when, the weighed masses how much; what had fallen before the flow is taken off.
+test, test_area = {{test}}, 78.54e-4                     # name, m2
+settled_at, settled = digitised({{settlement}})          # s, m
+weighed_at, weighed = digitised({{weighed}})             # s, kg
+before = weighed[0] if weighed_at[0] == 0 else 0.0       # kg
+net = (weighed - before) / test_area                     # kg/m2
+until = settled_at <= max(4 * time[-1], 180 if test == '971121' else 0)  # s; the test may have taken hours
+source = 'Tomlinson (1997); data/tomlinson_vaid/%s_*.csv' % test
+experiment = [curve('experiment_settlement', settled_at, settled / settled[-1] * net[-1], 's', 'kg/m2', 'test %s, by settlement' % test,
+                    'measured', y_name='eroded_mass_per_area', source=source),
+              curve('experiment_weighed', weighed_at, net, 's', 'kg/m2', 'test %s, weighed' % test, 'measured', y_name='eroded_mass_per_area',
+                    source=source, points=True)]
+if until.any():
+    per_area.append(curve('experiment_begin', settled_at[until], (settled / settled[-1] * net[-1])[until], 's', 'kg/m2',
+                          'test %s, by settlement' % test, 'measured', y_name='eroded_mass_per_area', source=source))
+sandglass.figure('experiment', title='Test %s' % test, panels=[
+    dict(y='eroded mass per area', y_unit='g/cm2', x_unit='min', curves=experiment + per_area[:1])],
+    caption='The whole test. By settlement: scaled to the mass weighed at the end. Times of weighed masses are nominal.')
 sandglass.figure('figure_7', title='Eroded mass', panels=[
     dict(title='all', y='eroded mass per area', y_unit='g/cm2', curves=per_area),
     dict(title='this run', y='eroded mass per area', y_unit='g/cm2', curves=per_area[:1])],
-    caption='Of the measured test only the final mass was weighed (2.48 g/cm2 net): its curve is the settlement, scaled '
-            'to that mass. ICY printed the ends of its curves, not the curves.')
+    caption='The curve of the measured test is its settlement, scaled to the mass that was weighed in the end '
+            '(971121: 2.48 g/cm2, nothing in between). ICY printed the ends of its curves, not the curves.')
 
 names = []
 for k in range(cells):
@@ -146,4 +158,7 @@ if 'pressure_difference' in record:
         curve('head_share_%d' % (k + 1), record.begin, share[:, k], 's', '1', 'cell %d' % (k + 1), 'computed',
               y_name='head_share') for k in range(cells)]))
 sandglass.figure('cells', title='Cells, from below', panels=panels)
+
+{{> analysis/erosion_pictures.py}}
+
 sandglass.finish()

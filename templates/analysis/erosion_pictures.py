@@ -1,0 +1,71 @@
+# Building block: profiles over the height at some times, where beads fall, and pictures of the beads. It needs, as names:
+# record, specimen, radius, start_position, start_porosity, cells, cell_top, share (of the head, or None), eroded, area.
+centres = (numpy.arange(cells) + 0.5) * cell_top / cells  # m
+shown = sorted({int(round(part * record.windows)) for part in (0, 0.25, 0.5, 0.75, 1)})  # windows done
+
+
+def profiles(name, rows, times, x_name):
+    return [curve('%s_profile_%d' % (name, number), row, centres, '1', 'm', '%.3g s' % when, 'computed', x_name=x_name, y_name='height')
+            for number, (row, when) in enumerate(zip(rows, times))]
+
+
+states = numpy.vstack((start_porosity, record['porosity']))
+panels = [dict(x='porosity', y='height', y_unit='mm', curves=profiles('porosity', states[shown], time[shown], 'porosity'))]
+if share is not None:
+    begun = [min(one, record.windows - 1) for one in shown]
+    panels.append(dict(x='share of the head', y='height', y_unit='mm',
+                       curves=profiles('head_share', share[begun], record.begin[begun], 'share of the head')))
+sandglass.figure('profiles', title='Profiles', panels=panels,
+                 caption='At the centres of cells. Porosity at the end of a window, the head lost in a cell at the begin of one; the rest is lost in the '
+                         'fine layer above.')
+
+# Within 0.5 mm of a side, and the rest: beads fallen through over the part of the section.
+beside = record['eroded_at_sides'][:, 0]
+beside_area = area * (1 - (1 - 2 * 0.5e-3 / specimen['section']) ** 2)  # m2
+places = [curve('eroded_' + name, time, numpy.append(0.0, numpy.cumsum(beads)) * bead_mass / part, 's', 'kg/m2', label, 'computed',
+                y_name='eroded mass over its area')
+          for name, label, beads, part in (('beside_sides', 'within 0.5 mm of a side', beside, beside_area),
+                                           ('in_core', 'elsewhere', eroded - beside, area - beside_area))]
+sandglass.figure('where', title='Where beads fall', panels=[dict(y='eroded mass over its area', y_unit='g/cm2', curves=places)],
+                 caption='Each over its own part of the section: as many near the sides as elsewhere would be one line.')
+
+
+# For ParaView: points with their radii, to be shown as spheres; one file a state, and beads.pvd with their times.
+def write_beads(name, position):
+    meshio.write(name, meshio.Mesh(position, [('vertex', numpy.arange(len(position))[:, None])], point_data={'radius': radius}))
+
+
+def draw_beads(name, position, title):
+    """A slice one fine bead thick through the middle: coarse beads as they are cut, fine ones whole."""
+    fine, middle, width = radius.min(), specimen['section'] / 2, specimen['section']
+    away = abs(position[:, 1] - middle)
+    cut = numpy.where(radius > fine * 1.01, numpy.sqrt(numpy.clip(radius**2 - away**2, 0, None)), radius * (away < fine))
+    there = (cut > 0) & (position[:, 2] > -2e-3)
+    top = position[there, 2].max() + fine
+    figure = Figure(figsize=(4.5, 1.2 + 4.0 * (top + 2e-3) / width), dpi=120)
+    axes = figure.add_axes((0.16, 0.1, 0.8, 0.82))
+    for kind, colour in ((radius > fine * 1.01, '#8a96a3'), (radius <= fine * 1.01, '#d55e00')):
+        mine = there & kind
+        axes.add_collection(EllipseCollection(2e3 * cut[mine], 2e3 * cut[mine], numpy.zeros(mine.sum()), units='xy',
+                                              offsets=1e3 * position[mine][:, [0, 2]], transOffset=axes.transData, facecolor=colour,
+                                              edgecolor='white', linewidth=0.2))
+    for height in numpy.linspace(0, cell_top, cells + 1):
+        axes.axhline(1e3 * height, color='#0072b2', linewidth=0.7, dashes=(4, 3))
+    axes.set(xlim=(0, 1e3 * width), ylim=(-2, 1e3 * top), aspect='equal', xlabel='x (mm)', ylabel='height (mm)', title=title)
+    FigureCanvasAgg(figure).print_png(name)
+
+
+write_beads('specimen.vtu', start_position)
+draw_beads('specimen.png', start_position, 'specimen, seed %d' % specimen.get('seed', 0))
+if 'position' in record:
+    files = [('beads_%06d.vtu' % 0, 0.0)]
+    write_beads(files[0][0], start_position)
+    for number, end in enumerate(record.time, 1):
+        files.append(('beads_%06d.vtu' % number, end))
+        write_beads(files[-1][0], record['position'][number - 1, : len(radius)])
+    with open('beads.pvd', 'w') as file:
+        file.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n<Collection>\n')
+        for name, when in files:
+            file.write('<DataSet timestep="%r" part="0" file="%s"/>\n' % (float(when), name))
+        file.write('</Collection>\n</VTKFile>\n')
+    draw_beads('beads_at_the_end.png', record['position'][-1, : len(radius)], 'after %.3g s' % record.time[-1])
