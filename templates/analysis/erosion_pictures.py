@@ -12,22 +12,40 @@ def profiles(name, rows, times, x_name):
 states = numpy.vstack((start_porosity, record['porosity']))
 panels = [dict(x='porosity', y='height', y_unit='mm', curves=profiles('porosity', states[shown], time[shown], 'porosity'))]
 if share is not None:
-    begun = [min(one, record.windows - 1) for one in shown]
+    begun = sorted({min(one, record.windows - 1) for one in shown})
     panels.append(dict(x='share of the head', y='height', y_unit='mm',
                        curves=profiles('head_share', share[begun], record.begin[begun], 'share of the head')))
 sandglass.figure('profiles', title='Profiles', panels=panels,
                  caption='At the centres of cells. Porosity at the end of a window, the head lost in a cell at the begin of one; the rest is lost in the '
                          'fine layer above.')
 
-# Within 0.5 mm of a side, and the rest: beads fallen through over the part of the section.
+# Within 0.5 mm of a side, and the rest: beads fallen through over the part of the section, and, where places are known, the
+# share of such fine beads among those that lie within the coarse layer.
 beside = record['eroded_at_sides'][:, 0]
 beside_area = area * (1 - (1 - 2 * 0.5e-3 / specimen['section']) ** 2)  # m2
 places = [curve('eroded_' + name, time, numpy.append(0.0, numpy.cumsum(beads)) * bead_mass / part, 's', 'kg/m2', label, 'computed',
                 y_name='eroded mass over its area')
           for name, label, beads, part in (('beside_sides', 'within 0.5 mm of a side', beside, beside_area),
                                            ('in_core', 'elsewhere', eroded - beside, area - beside_area))]
-sandglass.figure('where', title='Where beads fall', panels=[dict(y='eroded mass over its area', y_unit='g/cm2', curves=places)],
-                 caption='Each over its own part of the section: as many near the sides as elsewhere would be one line.')
+panels = [dict(title='below the plate', y='eroded mass over its area', y_unit='g/cm2', curves=places)]
+
+
+def share_at_sides(position):
+    x, y, z = position[(radius < radius.max()) & (position[:, 2] > 0) & (position[:, 2] < specimen['coarse_top'])].T
+    near = numpy.minimum.reduce([x, specimen['section'] - x, y, specimen['section'] - y]) < 0.5e-3
+    return near.mean() if len(near) else numpy.nan
+
+
+quantity('fines_at_sides_share_initial', share_at_sides(start_position), '1', 'within 0.5 mm of a side, of the fine beads in the coarse layer')
+if 'position' in record:
+    within = [share_at_sides(position[: len(radius)]) for position in [start_position, *record['position']]]
+    quantity('fines_at_sides_share_final', within[-1], '1', 'the same in the end')
+    panels.append(dict(title='in the coarse layer', y='share of the fine beads', curves=[
+        curve('fines_at_sides_share', time, within, 's', '1', 'within 0.5 mm of a side', 'computed', y_name='share')],
+        marks=[dict(axis='y', value=beside_area / area, label='of the section')]))
+sandglass.figure('where', title='Where beads fall', panels=panels,
+                 caption='Below the plate each over its own part of the section: as many near the sides as elsewhere would be one line. Half a bar '
+                         'of the plate runs along each side, so what comes down along one leaves further in.')
 
 
 # For ParaView: points with their radii, to be shown as spheres; one file a state, and beads.pvd with their times.
