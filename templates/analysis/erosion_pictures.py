@@ -59,6 +59,8 @@ def draw_beads(name, position, title):
     away = abs(position[:, 1] - middle)
     cut = numpy.where(radius > fine * 1.01, numpy.sqrt(numpy.clip(radius**2 - away**2, 0, None)), radius * (away < fine))
     there = (cut > 0) & (position[:, 2] > -2e-3)
+    if not there.any():
+        return
     top = (position[:, 2] + cut)[there].max() + fine
     figure = Figure(figsize=(4.5, 1.2 + 4.0 * (top + 2e-3) / width), dpi=120)
     axes = figure.add_axes((0.16, 0.1, 0.8, 0.82))

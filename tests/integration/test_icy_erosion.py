@@ -18,6 +18,7 @@ from case import DONE, HOME, PARTICIPANT, PYTHON, UNSTABLE, Case, Record, read, 
 
 WORKFLOW = os.path.join(HOME, "workflows", "icy_erosion.yaml")
 LAMMPS = os.path.exists(os.path.join(HOME, ".build", "solvers", "lammps", "installed"))
+HANG = 600.0  # s, of beads that other work on the machine holds up
 WATER = 9806.65  # N/m3
 FINE_VOLUME = math.pi / 6 * 0.346e-3**3
 FINE_LAYER = 19e-3 / 0.00134  # its resistance, s
@@ -265,21 +266,21 @@ class Checkpoints(Case):
     QUICK = dict(scale="small", fine_beads=300, layer_porosity=0.95, window="0.04 s", end_time="0.24 s", record_positions="true")
 
     def assert_repeats(self, dem):
-        unbroken = self.sandglass("run", WORKFLOW, *sets(dem=dem, **self.QUICK), out=dem)
+        unbroken = self.sandglass("run", WORKFLOW, *sets(dem=dem, **self.QUICK), out=dem, seconds=HANG)
         self.assert_code(unbroken, DONE)
         self.assertGreater(unbroken.record["eroded"][3:].sum(), 0, "nothing was put back: the test says little")
         self.assert_apart(unbroken)
         self.assert_for_paraview(unbroken)
-        self.assert_code(self.sandglass("replay", self.place.join(dem), "--window", "2"), DONE)
+        self.assert_code(self.sandglass("replay", self.place.join(dem), "--window", "2", seconds=HANG), DONE)
 
         started = self.place.start("run", WORKFLOW, *sets(dem=dem, **self.QUICK), out=dem + "-killed")
         checkpoint = started.path("checkpoints", "000000003")
-        self.assertTrue(wait_until(lambda: os.path.isdir(checkpoint)), "no third window")
+        self.assertTrue(wait_until(lambda: os.path.isdir(checkpoint), HANG), "no third window")
         started.signal(signal.SIGKILL)
         started.wait(30)
         self.assert_nothing_left()
         self.assertLess(Record(started.path("record.h5")).windows, 6, "it was killed too late")
-        resumed = self.sandglass("resume", started.directory)
+        resumed = self.sandglass("resume", started.directory, seconds=HANG)
         resumed.directory = started.directory
         self.assert_code(resumed, DONE)
         self.assertEqual(state_bytes(resumed.record), state_bytes(unbroken.record))
@@ -305,7 +306,7 @@ class Checkpoints(Case):
     def test_of_yade(self):
         unbroken = self.assert_repeats("yade")
         # What is left out without any influence puts no other byte when it is put back.
-        idle = self.sandglass("run", WORKFLOW, *sets(dem="yade", **self.QUICK), "--no-prune", "idle_functors", out="idle")
+        idle = self.sandglass("run", WORKFLOW, *sets(dem="yade", **self.QUICK), "--no-prune", "idle_functors", out="idle", seconds=HANG)
         self.assert_code(idle, DONE)
         self.assertEqual(state_bytes(idle.record), state_bytes(unbroken.record))
 

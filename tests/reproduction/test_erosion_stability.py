@@ -91,9 +91,9 @@ class Extremes(Case):
     def test_head_of_a_metre_and_cells_without_beads(self):
         # Coarse beads reach 10.9 mm: of ten cells up to 40 mm the upper ones hold falling beads or nothing at all.
         high, empty = together(
-            lambda: self.sandglass("run", SCENE, *sets(head="1 m", window="0.02 s", end_time="0.04 s", **self.FEW), out="high"),
+            lambda: self.sandglass("run", SCENE, *sets(head="1 m", window="0.02 s", end_time="0.04 s", **self.FEW), out="high", seconds=600),
             lambda: self.sandglass("run", SCENE, *sets(cells=10, cell_top="40 mm", window="0.02 s", end_time="0.04 s", **self.FEW),
-                                   out="empty"))
+                                   out="empty", seconds=600))
         self.assert_sound(high)
         self.assert_sound(empty)
         self.assertEqual(empty.record["porosity"][:, -1].tolist(), [1.0, 1.0])
