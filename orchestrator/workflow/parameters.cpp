@@ -222,11 +222,13 @@ void check_relations(const Node& map, const std::string& file,
     return std::nullopt;
   };
   const Scope scope(file, no_parameters, &problems);
+  const Scope all = Scope(file, parameters, &problems).silent();
   for (size_t i = 0; i < map.keys.size(); ++i) {
     if (map.items[i].kind != Node::Kind::map) continue;
     const Parameter& mine = parameters[i];
+    const Node chosen = effective(map.items[i], all);
     for (const char* limit : {"minimum", "maximum", "above", "below"}) {
-      const Node* bound = map.items[i].find(limit);
+      const Node* bound = chosen.find(limit);
       if (!bound || !is_reference(*bound)) continue;
       const auto other =
           std::find_if(parameters.begin(), parameters.end(),

@@ -97,6 +97,11 @@ TEST_F(Parameters, MayLimitEachOther) {
     EXPECT_THAT(error.what(), HasSubstr("command line (--set " + setting.name + ")"));
     EXPECT_THAT(error.what(), HasSubstr("minimum: 'beam', which is"));
   }
+  const std::string in_a_case = with(
+      "  scale: {value: full, choices: [small, full]}\n  beam: {value: 10 mm, unit: mm}\n"
+      "  grid: {value: 5 mm, choose: scale, cases: {small: {minimum: $beam}, full: {above: 0}}}\n");
+  EXPECT_NO_THROW((void)project.load(in_a_case));
+  EXPECT_THROW((void)project.load(in_a_case, {{"scale", "small"}}), Error);
   EXPECT_THAT(project.problems(with("  a: {value: 1 mm, below: $b}\n  b: {value: 1 kg}\n")),
               ElementsAre(HasSubstr("'b' is no limit for 'a'")));
   EXPECT_THAT(project.problems(with("  a: {value: 1 mm, below: $c}\n")),
