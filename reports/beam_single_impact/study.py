@@ -1,15 +1,13 @@
-"""Energy made by the coupling, error against processor time, and extreme cases of the single impact: many short runs.
+"""Energy made by the coupling, grids of material points, and extreme cases of the single impact: many short runs.
 
-    /usr/bin/python3 reports/beam_single_impact/study.py [energy] [error] [extreme]
+    /usr/bin/python3 reports/beam_single_impact/study.py [energy] [grids] [extreme]
 
-Writes energy.csv, error.csv, extreme.csv beside itself and draws energy.png and error.png from them. Runs go below runs/.
-Times are processor seconds of all processes of a run, start and analysis included: they repeat on a busy machine.
+Writes energy.csv, grids.csv, extreme.csv beside itself and draws energy.png. Runs go below runs/.
 """
 
 import csv
 import json
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -17,26 +15,23 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 HOME = os.path.dirname(os.path.dirname(HERE))
 SANDGLASS = os.environ.get("SANDGLASS_BINARY", os.path.join(HOME, "sandglass"))
-FORCE, REBOUND, SPEED = 4.92213, -2.98979e-3, 0.01  # Timoshenko's beam: N, m/s; velocity of the impact
 
 LAGS = {"predicted": (0, dict(wall_prediction="true")), "last force": (0.5, dict(force_in_window="last")),
         "as published": (1, {}), "parallel": (2, dict(scheme="parallel-explicit"))}
 
 
 def run(**parameters):
-    """result.json of a run, its exit status, and the processor seconds it took."""
+    """result.json of a run, its exit status, and its folder."""
     out = os.path.join(os.environ.get("SANDGLASS_RUNS", os.path.join(HOME, "runs")), "study")
     shutil.rmtree(out, ignore_errors=True)
     arguments = [SANDGLASS, "run", os.path.join(HOME, "workflows", "beam_single_impact.yaml"), "--out", out]
     for name, value in parameters.items():
         arguments += ["--set", "%s=%s" % (name, value)]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     status = subprocess.run(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                             env=dict(os.environ, SANDGLASS_HOME=HOME)).returncode
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     with open(os.path.join(out, "result.json"), encoding="utf-8") as file:
         result = json.load(file)
-    return result, status, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return result, status, out
 
 
 def write(name, rows):
@@ -67,43 +62,43 @@ def energy():
             write("energy.csv", rows)
 
 
-METHODS = {
-    "FEM P1 60x4": dict(element="linear", elements_along=60, elements_through=4),
-    "FEM P2 30x2": {},
-    "FEM P2 60x4": dict(elements_along=60, elements_through=4),
-    "FEM P2 solid": dict(dimension=3),
-    "MPM 32x7": dict(continuum="mpm", grid_along=30, grid_through=7, points_along=240, points_through=16),
-    "MPM 62x13": dict(continuum="mpm"),
-    "MPM 122x26": dict(continuum="mpm", grid_along=120, grid_through=26),
+GRIDS = {
+    "32 x 7": dict(grid_along=30, grid_through=7),
+    "62 x 13": {},
+    "122 x 26": dict(grid_along=120, grid_through=26),
 }
 
 
-def error():
+def grids():
+    """Material points in three grids: the impact, and the beam's first two frequencies in the 2.8 ms behind it."""
+    import h5py
+    import numpy
+    from scipy.optimize import least_squares
+
     rows = []
+    for name, parameters in GRIDS.items():
+        window = 2e-7
+        result, _, out = run(continuum="mpm", time_step=window, end_time=3e-3, wall_prediction="true", **parameters)
+        with h5py.File(os.path.join(out, "record.h5"), "r") as file:
+            force, deflection = (file["fields"][field][:, 0] for field in ("contact_force", "beam_deflection"))
+        free = slice(numpy.flatnonzero(force)[-1] + 5, None, 3)
+        time, deflection = window * numpy.arange(len(force))[free], deflection[free]
 
-    def point(method, label, **parameters):
-        result, status, seconds = run(end_time=2e-4, **METHODS[method], **parameters)
-        quantities = result["quantities"]
-        row = dict(method=method, coupling=label, window_s=parameters["time_step"], exit=status,
-                   processor_s=round(seconds, 2))
-        force = quantities.get("first_peak_force", {}).get("value")
-        rebound = quantities.get("rebound_velocity", {}).get("value")
-        row["force_error"] = "" if force is None else force / FORCE - 1
-        row["rebound_error"] = "" if rebound is None else (rebound - REBOUND) / SPEED
-        rows.append(row)
-        print(row, flush=True)
-        write("error.csv", rows)
+        def difference(frequencies):
+            waves = numpy.array([wave(2 * numpy.pi * f * time) for f in frequencies for wave in (numpy.cos, numpy.sin)]).T
+            return waves @ numpy.linalg.lstsq(waves, deflection, rcond=None)[0] - deflection
 
-    for window in (1e-7, 4e-7, 1.6e-6):
-        for method in METHODS:
-            if method.startswith("MPM") and window > 1e-6:
-                continue  # explicit: not stable
-            point(method, "as published", time_step=window)
-            point(method, "predicted", time_step=window, wall_prediction="true")
-    for window in (4e-7, 1.6e-6, 6.4e-6):
-        point("FEM P2 30x2", "iterated, IQN-ILS", time_step=window, scheme="serial-implicit", acceleration="iqn-ils")
-        point("FEM P2 30x2", "predicted, 8 steps", time_step=window, wall_prediction="true", grain_steps=8, beam_steps=2)
-    point("MPM 62x13", "predicted, 4 steps", time_step=1.6e-6, wall_prediction="true", grain_steps=4, beam_steps=4)
+        starts = [(first, second) for first in range(960, 1080, 20) for second in range(8300, 9100, 100)]
+        start = min(starts, key=lambda pair: numpy.linalg.norm(difference(pair)))
+        fitted = least_squares(difference, start, x_scale=100.0, ftol=1e-14, xtol=1e-12, gtol=1e-14).x
+        value = {key: one["value"] for key, one in result["quantities"].items()}
+        theory = (994.942, 8504.79)  # Hz, Timoshenko's beam (templates/analysis/modal_beam.py)
+        rows.append(dict(grid=name, frequency_1_error=fitted[0] / theory[0] - 1, frequency_2_error=fitted[1] / theory[1] - 1,
+                         peak_force_error=value["first_peak_force"] / value["timoshenko_peak_force"] - 1,
+                         contact_length_error=value["first_contact_length"] / value["timoshenko_contact_length"] - 1,
+                         rebound_error=(value["rebound_velocity"] - value["timoshenko_rebound_velocity"]) / 0.01))
+        print(rows[-1], flush=True)
+        write("grids.csv", rows)
 
 
 EXTREME = {
@@ -111,13 +106,20 @@ EXTREME = {
     "sphere 1000 times stiffer": dict(sphere_young="2.157463e14"),
     "beam of rubber (5 MPa, 1100 kg/m3)": dict(beam_young="5e6", beam_density=1100, beam_poisson=0.45, end_time="60e-3",
                                                time_step="2e-5"),
+    "the same, predicted, 40 us": dict(beam_young="5e6", beam_density=1100, beam_poisson=0.45, end_time="60e-3",
+                                       time_step="4e-5", wall_prediction="true"),
     "sphere 1000 times denser": dict(sphere_density=7.96e6, end_time="20e-3", time_step="4e-6"),
+    "the same, predicted": dict(sphere_density=7.96e6, end_time="20e-3", time_step="4e-6", wall_prediction="true"),
     "impact at 100 m/s": dict(impact_velocity=100, time_step="1e-8", end_time="40e-6"),
     "window of 4 us": dict(time_step="4e-6"),
     "window of 4 us, predicted": dict(time_step="4e-6", wall_prediction="true"),
     "window of 40 us": dict(time_step="40e-6"),
     "window of 40 us, iterated": dict(time_step="40e-6", scheme="serial-implicit", acceleration="iqn-ils"),
     "material points, step beyond the limit": dict(continuum="mpm", time_step="1e-6"),
+    "material points, the surface in an all but empty cell": dict(continuum="mpm", spread_load="false", time_step="2e-7",
+                                                                  grid_height="25.48e-3", wall_prediction="true"),
+    "material points, the surface in an empty cell": dict(continuum="mpm", spread_load="false", time_step="2e-7",
+                                                          grid_height="25.948e-3", wall_prediction="true"),
 }
 
 
@@ -156,29 +158,9 @@ def draw():
         axes.grid(True, which="both", alpha=0.2)
         axes.legend(frameon=False)
         figure.savefig(os.path.join(HERE, "energy.png"), dpi=130)
-    rows = [row for row in read("error.csv") if row["force_error"] not in ("", None) and row["exit"] in ("0", "6")]
-    if rows:
-        figure, both = plot.subplots(1, 2, figsize=(11, 4.8), constrained_layout=True, sharex=True)
-        marks = {"as published": "o", "predicted": "^", "iterated, IQN-ILS": "s", "predicted, 8 steps": "D", "predicted, 4 steps": "v"}
-        for axes, key, title in zip(both, ("force_error", "rebound_error"), ("peak force", "rebound velocity, over the impact's")):
-            for index, method in enumerate(METHODS):
-                for coupling, mark in marks.items():
-                    mine = [row for row in rows if row["method"] == method and row["coupling"] == coupling]
-                    axes.loglog([float(row["processor_s"]) for row in mine], [abs(float(row[key])) for row in mine], mark,
-                                color="C%d" % index, ms=6, mfc="none" if coupling == "as published" else None)
-            axes.set(xlabel="processor time of the run [s]", ylabel="error", title=title)
-            axes.grid(True, which="both", alpha=0.2)
-        for index, method in enumerate(METHODS):
-            both[0].plot([], [], "s", color="C%d" % index, label=method)
-        for coupling, mark in marks.items():
-            both[1].plot([], [], mark, color="0.3", mfc="none" if coupling == "as published" else None, label=coupling)
-        for axes in both:
-            axes.legend(frameon=False, fontsize=8)
-        figure.suptitle("Error against processor time, to 0.2 ms: beside Timoshenko's beam")
-        figure.savefig(os.path.join(HERE, "error.png"), dpi=130)
 
 
 if __name__ == "__main__":
-    for part in sys.argv[1:] or ["energy", "error", "extreme"]:
-        {"energy": energy, "error": error, "extreme": extreme}[part]()
+    for part in sys.argv[1:] or ["energy", "grids", "extreme"]:
+        {"energy": energy, "grids": grids, "extreme": extreme}[part]()
     draw()
