@@ -150,13 +150,13 @@ void show_sphere(const run::Home& home, const std::string& folder, std::int64_t 
 
 void show_pruning(const run::Home& home, const std::string& folder, std::int64_t divisor) {
   const std::int64_t windows = 1000 / divisor;
-  fmt::print("\nLeaving out what the settling sphere does not need, {} windows: us per window\n",
-             windows);
+  fmt::print("\nLeaving out what the settling sphere does not need: us per window\n");
   const auto all = bench::sphere_with_put_back(home, folder, windows);
   fmt::print("  all left out  {}\n", microseconds(all[0].window));
   for (std::size_t i = 1; i < all.size(); ++i) {
-    fmt::print("  put back      {}, {:.2f} times as long: {}\n", microseconds(all[i].window),
-               all[i].window.median / all[0].window.median, all[i].name);
+    fmt::print("  put back      {}, {:.2f} times as long ({} windows): {}\n",
+               microseconds(all[i].window), all[i].window.median / all[0].window.median,
+               all[i].window.samples, all[i].name);
   }
 }
 
