@@ -1,5 +1,7 @@
 # Building block: profiles over the height at some times, where beads fall, and pictures of the beads. It needs, as names:
 # record, specimen, radius, start_position, start_porosity, cells, cell_top, share (of the head, or None), eroded, area.
+# Read once: the record has room for more beads than there are.
+places_of_beads = record['position'][:, : len(radius)].copy() if 'position' in record else None  # [windows, beads, 3], m
 centres = (numpy.arange(cells) + 0.5) * cell_top / cells  # m
 shown = sorted({int(round(part * record.windows)) for part in (0, 0.25, 0.5, 0.75, 1)})  # windows done
 
@@ -37,8 +39,8 @@ def share_at_sides(position):
 
 
 quantity('fines_at_sides_share_initial', share_at_sides(start_position), '1', 'within 0.5 mm of a side, of the fine beads in the coarse layer')
-if 'position' in record:
-    within = [share_at_sides(position[: len(radius)]) for position in [start_position, *record['position']]]
+if places_of_beads is not None:
+    within = [share_at_sides(position) for position in [start_position, *places_of_beads]]
     quantity('fines_at_sides_share_final', within[-1], '1', 'the same in the end')
     panels.append(dict(title='in the coarse layer', y='share of the fine beads', curves=[
         curve('fines_at_sides_share', time, within, 's', '1', 'within 0.5 mm of a side', 'computed', y_name='share')],
@@ -77,15 +79,15 @@ def draw_beads(name, position, title):
 
 write_beads('specimen.vtu', start_position)
 draw_beads('specimen.png', start_position, 'specimen, seed %d' % specimen.get('seed', 0))
-if 'position' in record:
+if places_of_beads is not None:
     files = [('beads_%06d.vtu' % 0, 0.0)]
     write_beads(files[0][0], start_position)
     for number, end in enumerate(record.time, 1):
         files.append(('beads_%06d.vtu' % number, end))
-        write_beads(files[-1][0], record['position'][number - 1, : len(radius)])
+        write_beads(files[-1][0], places_of_beads[number - 1])
     with open('beads.pvd', 'w') as file:
         file.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n<Collection>\n')
         for name, when in files:
             file.write('<DataSet timestep="%r" part="0" file="%s"/>\n' % (float(when), name))
         file.write('</Collection>\n</VTKFile>\n')
-    draw_beads('beads_at_the_end.png', record['position'][-1, : len(radius)], 'after %.3g s' % record.time[-1])
+    draw_beads('beads_at_the_end.png', places_of_beads[-1], 'after %.3g s' % record.time[-1])
