@@ -26,6 +26,21 @@ void remove_file(const std::string& path) {
   std::filesystem::remove_all(path, ignored);
 }
 
+/// What a program that has gone gave as the reason, in a line of its own; empty when it said
+/// nothing.
+std::string reason_given(Child& child) {
+  constexpr std::string_view mark = "error ";
+  std::string said;
+  child.read_replies(said);
+  for (size_t begin = 0; begin < said.size();) {
+    const size_t end = std::min(said.find('\n', begin), said.size());
+    const std::string_view line = std::string_view(said).substr(begin, end - begin);
+    if (line.starts_with(mark)) return std::string(line.substr(mark.size()));
+    begin = end + 1;
+  }
+  return {};
+}
+
 }  // namespace
 
 Participant::Participant(Description description, Watch& watch)
@@ -240,14 +255,16 @@ std::string Participant::hear() {
       if (asked_.empty()) throw failure(fmt::format("did not get ready: it ended with {}", how));
       throw failure(fmt::format("ended by itself ({}) when asked '{}'", how, asked_));
     }
+    const std::string reason = reason_given(*outcome.child);
     const auto ended = outcome.child->poll_exit();
     const std::int64_t window = slot_.window().index;
     throw Error::participant(
-        fmt::format("participant {} ended by itself ({}) {}", outcome.child->name(),
+        fmt::format("participant {} ended by itself ({}) {}{}", outcome.child->name(),
                     ended ? ended->text() : "unknown status",
                     window > 0 ? fmt::format("in window {}, while {} was at work", window,
                                              description_.name)
-                               : "before all were ready"),
+                               : "before all were ready",
+                    reason.empty() ? "" : ": " + reason),
         {}, end_of_log(outcome.child->log()));
   }
 }

@@ -395,6 +395,19 @@ TEST_F(ParticipantTest, AnothersDeathIsNamedWhileThisOneIsAwaited) {
                                   HasSubstr("leaving on purpose")));
 }
 
+TEST_F(ParticipantTest, AnothersReasonIsToldWithItsEnd) {
+  Watch watch;
+  Participant fluid(description("fluid", {"ready", "stall"}), watch);
+  Participant grains(
+      description("grains", {"ready", "say=error no licence", "ready", "exit-soon=1"}), watch);
+  fluid.start();
+  grains.start();
+  const Error error = error_of([&] { fluid.wait_until_ready(); });
+  EXPECT_EQ(error.code(), ExitCode::participant);
+  EXPECT_THAT(error.what(), HasSubstr("participant grains ended by itself (exit status 1) before "
+                                      "all were ready: no licence"));
+}
+
 // ---- silence
 
 TEST_F(ParticipantTest, ThatNeverAnswersMeetsItsDeadline) {
