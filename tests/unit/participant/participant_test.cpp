@@ -25,7 +25,7 @@ using Words = std::vector<std::string>;
 /// Debian's Python, as for every Python participant: h5py is there.
 constexpr const char* kPython = "/usr/bin/python3";
 constexpr double kLong = 60;    // s; nothing here takes that long unless it hangs
-constexpr double kShort = 0.8;  // s; longer than a scripted participant takes to start
+constexpr double kShort = 2.0;  // s; longer than a scripted participant takes to start
 
 /// Real processes that do as they are told (tests/faults/scripted_participant.py). Each receives
 /// "drag" [2] and "positions" [up to 2, 2], and sends "velocity" [3] and "forces" [2, 2].
