@@ -14,7 +14,8 @@ void show(const char* what, const std::vector<std::string>& files) {
 }
 
 ExitCode execute(const std::string& directory) {
-  const record::Verdict verdict = record::verify(directory, run::Home::find().root);
+  const run::Home home = run::Home::find();
+  const record::Verdict verdict = record::verify(directory, home.root, home.build);
   fmt::print("{}: {} files\n", directory, verdict.files);
   show("altered", verdict.altered);
   show("missing", verdict.missing);

@@ -36,8 +36,10 @@ struct Verdict {
 };
 
 /// Compares every file of the run directory with its digest in the crate, and what the run used
-/// from elsewhere with its digest in provenance.json; `project` is where templates/ and data/ are.
+/// from elsewhere with its digest in provenance.json; `project` is where templates/ and data/ are,
+/// `build` where the FreeFEM plugin is.
 /// Throws Error::environment when there is no crate, or one that cannot be understood.
-Verdict verify(const std::string& run_directory, const std::string& project);
+Verdict verify(const std::string& run_directory, const std::string& project,
+               const std::string& build);
 
 }  // namespace sandglass::record

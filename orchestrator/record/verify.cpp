@@ -45,31 +45,37 @@ bool is_still(const std::string& path, const std::string& digest) {
 
 /// Templates, data and solvers as they are now, against what the run used.
 std::vector<std::string> changed_since(const std::string& run_directory,
-                                       const std::string& project) {
+                                       const std::filesystem::path& project,
+                                       const std::filesystem::path& build) {
   std::vector<std::string> changed;
   const std::string path = run_directory + "/provenance.json";
   std::error_code unseen;
   if (!std::filesystem::exists(path, unseen)) return changed;
   const Json provenance = Json::parse(read_file(path), nullptr, false);
   if (!provenance.is_object()) return changed;  // then it is among those altered
-  const auto look = [&](const Json& one, const std::string& root) {
-    const std::string file = one.value("path", "");
+  // Absolute, or relative to one of the two.
+  const auto look = [&](const Json& one) {
+    const std::filesystem::path file = one.value("path", "");
     const std::string digest = one.value("digest", "");
-    if (!digest.empty() && !is_still(root + file, digest)) changed.push_back(file);
+    const bool same = digest.empty() || is_still((project / file).string(), digest) ||
+                      is_still((build / file).string(), digest);
+    const bool known = std::find(changed.begin(), changed.end(), file.string()) != changed.end();
+    if (!same && !known) changed.push_back(file.string());
   };
   for (const char* kind : {"templates", "data"}) {
-    for (const Json& one : provenance.value(kind, Json::array())) look(one, project + "/");
+    for (const Json& one : provenance.value(kind, Json::array())) look(one);
   }
   for (const Json& solver : provenance.value("solvers", Json::array())) {
-    look(solver, {});
-    for (const Json& part : solver.value("parts", Json::array())) look(part, {});
+    look(solver);
+    for (const Json& part : solver.value("parts", Json::array())) look(part);
   }
   return changed;
 }
 
 }  // namespace
 
-Verdict verify(const std::string& run_directory, const std::string& project) {
+Verdict verify(const std::string& run_directory, const std::string& project,
+               const std::string& build) {
   const std::string path = run_directory + "/" + kCrateFile;
   std::error_code unseen;
   if (!std::filesystem::is_regular_file(path, unseen)) {
@@ -94,7 +100,7 @@ Verdict verify(const std::string& run_directory, const std::string& project) {
     expected.erase(known);
   }
   for (const auto& [file, digest] : expected) verdict.missing.push_back(file);
-  verdict.changed_since = changed_since(run_directory, project);
+  verdict.changed_since = changed_since(run_directory, project, build);
   return verdict;
 }
 

@@ -150,7 +150,7 @@ class Trace {
 };
 
 /// What provenance.json says of the time beside the windows.
-void add_aside(const Json& timings, Profile& profile) {
+void add_aside(const Json& timings, const std::string& coupling_stage, Profile& profile) {
   const auto add = [&](const std::string& name, const Json& value) {
     if (value.is_number() && value.get<double>() > 0) {
       profile.rows.push_back({name, value.get<double>(), true});
@@ -160,7 +160,7 @@ void add_aside(const Json& timings, Profile& profile) {
   add("checkpoints", timings.value("checkpoints", Json()));
   const Json stages = timings.value("stages", Json::object());
   for (const auto& [name, seconds] : stages.items()) {
-    if (name != "coupling") add("stage " + name, seconds);
+    if (name != coupling_stage) add("stage " + name, seconds);
   }
   add("report", timings.value("report", Json()));
 }
@@ -183,8 +183,13 @@ Profile read_profile(const std::string& run_directory) {
     profile.rows.push_back({name, sum(seconds, 0, columns.windows)});
     profile.loop_seconds += profile.rows.back().seconds;
   }
+  std::string coupling_stage;
+  for (const Json& stage :
+       read_json(run_directory + "/workflow.json").value("stages", Json::array())) {
+    if (stage.value("run", "") == "coupling") coupling_stage = stage.value("name", "");
+  }
   add_aside(read_json(run_directory + "/provenance.json").value("timings", Json::object()),
-            profile);
+            coupling_stage, profile);
   return profile;
 }
 

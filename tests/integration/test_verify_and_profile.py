@@ -68,6 +68,7 @@ class Verify(Finished):
         crate = read(self.ended.path("ro-crate-metadata.json"), "rb")
         ended = self.verify(self.ended.directory, DONE, "every file is what the run left", hashlib.sha256(crate).hexdigest())
         self.assertNotIn("altered", ended.out)
+        self.assertNotIn("changed since", ended.out)
         self.verify(self.copy("moved"), DONE)
 
     def test_what_was_altered_is_missing_or_was_added(self):
@@ -232,6 +233,12 @@ class ScriptsOfWindows(Case):
                 scripts.append(entity)
         return scripts
 
+    def test_nothing_it_used_has_changed_since(self):
+        """YADE, FreeFEM, the plugin, the changed template: all found where they are."""
+        ended = self.sandglass("verify", self.directory, home=self.place.join("home"))
+        self.assert_code(ended, DONE)
+        self.assertNotIn("changed since", ended.out)
+
     def test_the_script_of_every_window(self):
         for window in range(1, self.WINDOWS + 1):
             texts = [read(os.path.join(self.directory, one["@id"])) for one in self.scripts_of("grains", window)]
@@ -268,6 +275,7 @@ class Profile(Case):
         self.assert_code(ended, DONE)
         for word in ("there", "back", "waiting", "exchange", "render", "record", "%d windows" % windows):
             self.assertIn(word, ended.out)
+        self.assertNotIn("stage couple", ended.out)  # that is the windows, and the start
         return json.loads(read(trace))["traceEvents"]
 
     def test_a_run_that_came_to_its_end(self):

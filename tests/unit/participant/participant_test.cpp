@@ -414,7 +414,7 @@ TEST_F(ParticipantTest, ThatNeverAnswersMeetsItsDeadline) {
   deadline_ = kShort;
   const Error error = failure(description("fluid", {"advance@2", "stall"}));
   EXPECT_THAT(error.what(), AllOf(HasSubstr("fluid, window 2"), HasSubstr("'advance'"),
-                                  HasSubstr("deadline of 0.8 s"), HasSubstr("asked advance")));
+                                  HasSubstr("deadline of 2 s"), HasSubstr("asked advance")));
   EXPECT_THAT(test::remedy_of(error), HasSubstr("deadline"));
 }
 
@@ -443,7 +443,7 @@ TEST_F(ParticipantTest, ThatDiesInTheMiddleOfALine) {
 TEST_F(ParticipantTest, ThatIsDeafAfterStopMeetsItsDeadline) {
   deadline_ = kShort;
   EXPECT_THAT(failure(description("fluid", {"stop", "deaf"})).what(),
-              AllOf(HasSubstr("did not exit"), HasSubstr("0.8 s")));
+              AllOf(HasSubstr("did not exit"), HasSubstr("2 s")));
 }
 
 TEST_F(ParticipantTest, ItsOwnChildrenEndWithIt) {
