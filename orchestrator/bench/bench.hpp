@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sched.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,6 +21,20 @@ struct Spread {
   std::size_t samples = 0;
 };
 Spread spread_of(std::vector<double> seconds);
+
+/// Keeps this process, and whatever it starts meanwhile, on the processor where it is now: what
+/// `taskset -c 0` does for a whole run. Nothing happens where the system does not allow it.
+class OneProcessor {
+ public:
+  OneProcessor();
+  ~OneProcessor();
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+
+ private:
+  cpu_set_t before_{};
+  bool held_ = false;
+};
 
 /// One window of two resident Python programs that send back what they receive
 /// (templates/bench/pair.yaml): two round trips, one field each way.

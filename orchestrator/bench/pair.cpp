@@ -77,6 +77,18 @@ Spread spread_of(std::vector<double> seconds) {
   return {at(0.5), at(0.1), at(0.9), seconds.size()};
 }
 
+OneProcessor::OneProcessor() {
+  cpu_set_t here;
+  CPU_ZERO(&here);
+  CPU_SET(static_cast<std::size_t>(std::max(::sched_getcpu(), 0)), &here);
+  held_ = ::sched_getaffinity(0, sizeof before_, &before_) == 0 &&
+          ::sched_setaffinity(0, sizeof here, &here) == 0;
+}
+
+OneProcessor::~OneProcessor() {
+  if (held_) ::sched_setaffinity(0, sizeof before_, &before_);
+}
+
 Spread pair_window(const run::Home& home, const std::string& folder, const PairOptions& options) {
   workflow::Workflow pair = loaded(home, home.templates() + "/bench/pair.yaml", {});
   workflow::Coupling& coupling = *pair.coupling;

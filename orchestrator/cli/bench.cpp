@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "base/file.hpp"
 #include "cli/cli.hpp"
@@ -101,6 +102,12 @@ void show_exchange(const run::Home& home, const std::string& folder, std::int64_
     pair.recorded = true;
     const bench::Spread recorded = bench::pair_window(home, folder, pair);
     const bench::Spread pipe = bench::pipe_window(home, folder, promise.values, windows);
+    pair.recorded = false;
+    const auto [together, pipe_together] = [&] {
+      const bench::OneProcessor shared;
+      return std::pair(bench::pair_window(home, folder, pair),
+                       bench::pipe_window(home, folder, promise.values, windows));
+    }();
     const double adds = recorded.median - bare.median;
     fmt::print("{} doubles, {} windows\n", promise.values, windows);
     fmt::print("  without record    {}, at most {:.0f}: {}\n", microseconds(bare),
@@ -113,6 +120,11 @@ void show_exchange(const run::Home& home, const std::string& folder, std::int64_
     fmt::print("\n  no stability watch{}\n", microseconds(unwatched));
     fmt::print("  bare pipe         {}, the window is {:.2f} times as long\n", microseconds(pipe),
                bare.median / pipe.median);
+    fmt::print("  all on one of the processors, where nobody has to be woken on another:\n");
+    fmt::print("  without record    {}, at most {:.0f}: {}\n", microseconds(together),
+               1e6 * promise.without_record, verdict(together.median <= promise.without_record));
+    fmt::print("  bare pipe         {}, the window is {:.2f} times as long\n",
+               microseconds(pipe_together), together.median / pipe_together.median);
     std::fflush(stdout);
   }
 }
