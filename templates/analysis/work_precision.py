@@ -39,8 +39,15 @@ def seconds_of(point):
     return sum(parts) if parts and None not in parts else None
 
 
+def word_of(name, value):
+    """A parameter as a part of a method's name: a switch by its own name where it is on, 'none' as nothing."""
+    if isinstance(value, bool):
+        return name.replace('_', ' ') if value else ''
+    return '' if value in (None, 'none') else '%s' % value
+
+
 def method_of(point):
-    words = [point.set] + ['%s' % point.parameters.get(name) for name in method_parameters]
+    words = [point.set] + [word_of(name, point.parameters.get(name)) for name in method_parameters]
     return ', '.join(word for word in words if word) or 'all points'
 
 
@@ -95,10 +102,10 @@ if drawn:
 
 price = 'of ' + ', '.join(seconds_names) if seconds_names else 'of the whole run, from its start to its report'
 counts = sorted({row[6] for row in rows})
-caption = ('Error: %s%s. Seconds: %s; medians' % (
+caption = ('Error: %s%s. Seconds: %s;' % (
     error_name, ', relative to its reference' if reference_values or reference_quantity else '', price))
-caption += ' and standard deviations of %s runs per point.' % ' to '.join(
-    '%d' % n for n in sorted({counts[0], counts[-1]})) if counts[-1] > 1 else ' are single runs.'
+caption += ' medians and standard deviations of %s runs per point.' % ' to '.join(
+    '%d' % n for n in sorted({counts[0], counts[-1]})) if counts[-1] > 1 else ' every point is a single run.'
 caption += ' On the frontier nothing is both faster and more accurate.'
 loads = sorted(point.load for point in points if point.load is not None)
 if loads:

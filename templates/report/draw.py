@@ -110,6 +110,8 @@ def styles_of(figure):
         if kind == "computed":
             style = dict(color=colour, linewidth=2.0, solid_capstyle="round", marker=marker, markersize=4.2,
                          markeredgewidth=0, zorder=3)
+            if turn >= len(SERIES):  # the colours begin anew
+                style.update(linewidth=1.2, dashes=(5, 2), markerfacecolor=PAPER, markeredgewidth=1.2)
         elif kind == "analytic":
             style = dict(color=colour, linewidth=1.3, dashes=DASHES[turn % len(DASHES)], zorder=4)
         elif kind == "published":
@@ -191,8 +193,11 @@ def legend_shape(labels, width):
     if not labels:
         return 1, 0
     widths = [0.067 * len(label) + 0.75 for label in labels]  # the line sample and the gaps included
-    columns = len(labels) if sum(widths) <= width else max(1, int(width / max(widths)))
-    return min(columns, len(labels)), math.ceil(len(labels) / columns)
+    for columns in range(len(labels), 1, -1):
+        rows = math.ceil(len(labels) / columns)
+        if sum(max(widths[begin:begin + rows]) for begin in range(0, len(labels), rows)) <= width:
+            return columns, rows
+    return 1, len(labels)
 
 
 def draw(description):
@@ -212,7 +217,7 @@ def draw(description):
 
     styles = styles_of(description)
     legend_columns, legend_rows = legend_shape([label for _, label in styles if label], width - left)
-    legend_height = 0.195 * legend_rows + 0.08
+    legend_height = 0.166 * legend_rows + 0.11
     height = legend_height + rows * (above + axes_height + below)
     figure = Figure(figsize=(width, height), facecolor="none")
     legend = {}
