@@ -87,8 +87,14 @@ Value::List table_values(const Analysis& analysis) {
   Value::List tables;
   for (const Table& table : analysis.tables) {
     Value::List rows;
-    for (const auto& cells : table.rows) {
-      rows.push_back(Value::Map{{"cells", Value::List(cells.begin(), cells.end())}});
+    for (const auto& texts : table.rows) {
+      constexpr std::size_t number = 16;  // characters: as long as one with its unit is
+      Value::List cells;
+      for (const std::string& text : texts) {
+        cells.push_back(
+            Value::Map{{"text", text}, {"class", text.size() <= number ? "short" : ""}});
+      }
+      rows.push_back(Value::Map{{"cells", std::move(cells)}});
     }
     tables.push_back(
         Value::Map{{"table_title", table.title},
