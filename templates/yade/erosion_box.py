@@ -64,7 +64,7 @@ def is_aside(bead):
 def put_aside():
     for bead in fines():
         if bead.state.pos[2] < -catch_depth and not is_aside(bead):
-            fallen_at.append(tuple(bead.state.pos))
+            fallen_at.append(tuple(O.cell.wrap(bead.state.pos) if periodic else bead.state.pos))
             bead.state.blockedDOFs = 'xyzXYZ'
             bead.state.vel = bead.state.angVel = Vector3.Zero
             bead.state.pos = aside_place(bead.id)

@@ -19,6 +19,12 @@ forget_fallen = plane_sides = needed_functors = True
 
 {{> yade/erosion_box.py}}
 
+# The collider takes a body longer than half a period for one of its copies: beads would fall through the plate.
+if periodic and section <= 2 * (coarse_diameter + 2 * verlet_distance):
+    raise SystemExit('sides: periodic: YADE needs a section of more than two coarse beads, here more than %.4g mm, and has %.4g mm; '
+                     'take scale=full or a wider section, or dem=lammps'
+                     % (2e3 * (coarse_diameter + 2 * verlet_distance), 1e3 * section))
+
 fine_ids, fallen_at, fallen = [], [], [(0.0, 0)]  # fallen: time since the fines were let go, how many
 
 
@@ -85,4 +91,6 @@ while O.time < closed + resting_time:
 
 kept = [O.bodies[number] for number in coarse_ids] + [bead for bead in fines() if not is_aside(bead)]
 position, velocity, spin = (numpy.array([tuple(getattr(bead.state, name)) for bead in kept]) for name in ('pos', 'vel', 'angVel'))
+if periodic:
+    position[:, :2] %= section  # YADE lets a bead go on through its copies
 {{> python/erosion_specimen_file.py}}

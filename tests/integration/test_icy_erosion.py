@@ -321,6 +321,11 @@ class Options(Case):
                                 for one in ({name: value} for name, values in OPTIONS.items() for value in values))):
             self.assert_code(ended, DONE)
 
+    def test_a_periodic_section_too_narrow_for_yade_is_refused(self):
+        ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic"), out="narrow", seconds=HANG)
+        self.assert_code(ended, PARTICIPANT)
+        self.assertIn("YADE needs a section of more than two coarse beads", ended.err)
+
 
 if __name__ == "__main__":
     unittest.main()

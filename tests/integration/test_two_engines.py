@@ -17,6 +17,7 @@ from case import DONE, HOME, Case, read, sets, together
 
 WORKFLOW = os.path.join(HOME, "workflows", "icy_erosion.yaml")
 INSTALLED = os.path.exists(os.path.join(HOME, ".build", "solvers", "lammps", "installed"))
+HANG = 600.0  # s, of programs that other work on the machine holds up
 FINE, COARSE = 0.173e-3, 1.5e-3
 WEIGHT = 9.80665 * (1 - 1000 / 2500)  # m/s2, less buoyancy
 STEP = FINE * math.sqrt(2500 * 100 / 1e7)
@@ -24,7 +25,8 @@ STEP = FINE * math.sqrt(2500 * 100 / 1e7)
 
 @unittest.skipUnless(INSTALLED, "LAMMPS is not installed: ./sandglass setup lammps")
 class SingleBeads(Case):
-    def trajectories(self, name, beads, windows, acceleration=(0, 0, -WEIGHT), damping=0.0, friction="17.19 deg"):
+    def trajectories(self, name, beads, windows, acceleration=(0, 0, -WEIGHT), damping=0.0, friction="17.19 deg",
+                     section=6e-3, sides="walls"):
         """Positions [windows, beads, 3] by both engines, one step a window. beads: place and velocity of fine ones; a
         coarse one rests far away, because the scene has one."""
 
@@ -37,13 +39,14 @@ class SingleBeads(Case):
                 file["spin"] = numpy.zeros((len(beads) + 1, 3))
                 file["radius"] = [COARSE] + [FINE] * len(beads)
                 file["fallen"] = numpy.zeros((1, 2))
-                file.attrs.update(section=6e-3, density=2500.0, mass_per_fine=4 / 3 * math.pi * FINE**3 * 2500, porosity_fine=0.5,
+                file.attrs.update(section=section, density=2500.0, mass_per_fine=4 / 3 * math.pi * FINE**3 * 2500, porosity_fine=0.5,
                                   fines_lost=0, fall_rate=0.0, coarse_top=21.5e-3)
             text = re.sub(r"(?s)  specimen:\n.*?  start:\n", "  specimen: {run: command, command: [cp, '%s', specimen.h5], "
                           "makes: [specimen.h5]}\n  start:\n" % file_path(self, name, dem), read(WORKFLOW))
             return self.run_workflow(text, *sets(
                 scale="small", dem=dem, drag="none", damping=damping, friction_angle=friction, window=repr(STEP),
-                end_time=repr(windows * STEP), record_positions="true", reinsertion="false"), name=name + "-" + dem)
+                end_time=repr(windows * STEP), record_positions="true", reinsertion="false",
+                section=repr(section), sides=sides), name=name + "-" + dem, seconds=HANG)
 
         answers = []
         for ended in together(lambda: run("yade"), lambda: run("lammps")):
@@ -74,6 +77,15 @@ class SingleBeads(Case):
         yade, lammps = self.trajectories("side", [((0.25e-3, 3e-3, 15e-3), (-0.1, 0.05, 0.0))], 90, friction="0 deg")
         self.assert_alike(yade, lammps)
         self.assertGreater(yade[-1, 0, 0], yade[:, 0, 0].min() + 1e-6, "it came back")
+
+    def test_two_beads_meet_over_a_periodic_side(self):
+        # YADE needs a section of more than two coarse beads; its beads go on through their copies, so places are taken into one.
+        yade, lammps = self.trajectories("periodic", [((0.1e-3, 3e-3, 15e-3), (-0.1, 0.02, 0)), ((7.6e-3, 3e-3, 15e-3), (0.1, 0, 0))], 120,
+                                         friction="0 deg", section=8e-3, sides="periodic")
+        moved = [(place[..., 0] - place[0, :, 0] + 4e-3) % 8e-3 - 4e-3 for place in (yade, lammps)]
+        self.assert_alike(moved[0], moved[1])
+        numpy.testing.assert_allclose(yade[..., 1:], lammps[..., 1:], rtol=0, atol=1e-9 * abs(moved[0]).max())
+        self.assertGreater(moved[0][-1, 0], moved[0][:, 0].min() + 1e-6, "they met, and the first one came back")
 
     def test_friction_differs_by_the_overlap_over_the_radius(self):
         # YADE lets friction turn a bead about the middle of the overlap, LAMMPS about the undeformed surface.
