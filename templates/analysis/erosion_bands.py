@@ -1,0 +1,129 @@
+# The erosion test over seeds: bands of eroded mass per case, what flow adds to the control without flow seed by seed, and
+# which runs clog, and when.
+import math
+import statistics
+
+import numpy
+
+import sandglass_analysis as sandglass
+
+clogged_below, clogged_for = {{clogged_below}}, {{clogged_for}}  # share of the largest rate before; s
+
+# Quantiles of Student's t for 95 %, both sides, by degrees of freedom; beyond them that of the normal distribution.
+STUDENT = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262]
+
+points = [point for point in sandglass.open_study() if point.exit_code == 0]
+if not points:
+    raise SystemExit('no point has ended well')
+
+
+class Course:
+    """One run: time (s), eroded mass per area (kg/m2), and when it clogged (s; None: not, NaN: too short to tell)."""
+
+    def __init__(self, point):
+        record = point.record()
+        self.point, self.seed = point, point.parameters['seed']
+        self.time = numpy.append(0.0, record.time)
+        passed = numpy.append(0.0, numpy.cumsum(record['eroded'][:, 0]))
+        self.mass = passed * point.quantities['eroded_mass_per_area'] / passed[-1] if passed[-1] else passed
+        windows = max(1, round(clogged_for / (self.time[1] - self.time[0])))
+        stretches = passed[windows:] - passed[:-windows]  # passages in the stretch that begins with each window
+        self.clogged = math.nan
+        if len(stretches) > windows:
+            below = [k for k in range(windows, len(stretches)) if stretches[k] < clogged_below * stretches[: k - windows + 1].max()]
+            self.clogged = self.time[below[0]] if below else None
+
+    @property
+    def control(self):
+        """What a run without flow must share with this one to be its control."""
+        return self.seed, self.point.parameters['dem'], len(self.time)
+
+
+def name_of(point):
+    drag = {'coupled': 'coupled, %d cells' % point.parameters['cells'], 'constant': 'constant drag', 'none': 'no flow'}
+    return '%s (%s)' % (drag[point.parameters['drag']], point.parameters['dem'].upper())
+
+
+cases = {}
+for point in points:
+    cases.setdefault(name_of(point), []).append(Course(point))
+controls = {course.control: course for courses in cases.values() for course in courses if course.point.parameters['drag'] == 'none'}
+
+
+def short(name):
+    return '_'.join(''.join(letter if letter.isalnum() else ' ' for letter in name).split())
+
+
+bands, ends, differences, going = [], [], [], []
+for case, courses in cases.items():
+    time = min((course.time for course in courses), key=len)
+    masses = numpy.array([course.mass[: len(time)] for course in courses])
+    for what, values in (('lowest', masses.min(axis=0)), ('median', numpy.median(masses, axis=0)), ('highest', masses.max(axis=0))):
+        bands.append(sandglass.curve('%s_%s' % (short(case), what), time, values, 's', 'kg/m2', case, 'computed', y_name='eroded_mass_per_area'))
+    clogged = [course.clogged for course in courses]
+    told = [when for when in clogged if when is None or not math.isnan(when)]
+    when = sorted(when for when in told if when is not None)
+    ends.append([case, len(courses), '%.4f' % (statistics.median(masses[:, -1]) / 10),
+                 '%.4f to %.4f' % (masses[:, -1].min() / 10, masses[:, -1].max() / 10),
+                 '%d of %d' % (len(when), len(told)) if told else 'too short to tell', ', '.join('%.1f' % one for one in when) or '-'])
+    if told:
+        going.append(sandglass.curve('going_' + short(case), time, [1 - sum(one <= now for one in when) / len(told) for now in time],
+                                     's', '1', case, 'computed', y_name='share'))
+
+    # What the flow adds: specimens of one seed are the same, so it is looked at seed by seed.
+    pairs = [(course, controls[course.control]) for course in courses if course.control in controls and controls[course.control] is not course]
+    if not pairs:
+        continue
+    extra = numpy.array([course.mass[: len(time)] - control.mass[: len(time)] for course, control in pairs])
+    count = len(extra)
+    error = extra.std(axis=0, ddof=1) / math.sqrt(count) if count > 1 else numpy.full(len(time), math.nan)
+    mean = extra.mean(axis=0)
+    # A band of many windows needs no bar at each of them.
+    every = max(1, len(time) // 24)
+    differences.append((case, sandglass.curve('added_' + short(case), time[::every], mean[::every], 's', 'kg/m2', case, 'computed',
+                                              y_name='difference', y_error=error[::every]), mean[-1], error[-1], extra[:, -1],
+                        statistics.mean(control.mass[-1] for _, control in pairs)))
+
+# What ICY printed of its Figure 7, where the runs come near it.
+printed = []
+longest = max(course.time[-1] for courses in cases.values() for course in courses)
+for name, x, y, label in (('icy_constant_drag', 7, 0.39, 'ICY, constant drag (printed stop)'), ('icy_five_cells', 48, 2.41, 'ICY, five cells (printed end)'),
+                          ('icy_two_cells', 58, 2.41, 'ICY, two cells (printed end)')):
+    if longest > x / 2:
+        printed.append(sandglass.curve(name, [float(x)], [10 * y], 's', 'kg/m2', label, 'published', y_name='eroded_mass_per_area',
+                                       source='ICY, section 5'))
+
+panels = [dict(title='lowest, median and highest over seeds', y='eroded mass per area', y_unit='g/cm2', curves=bands + printed)]
+if differences:
+    panels.append(dict(title='less no flow, seed by seed', y='difference of eroded mass per area', y_unit='g/cm2',
+                       curves=[one[1] for one in differences], marks=[dict(axis='y', value=0.0, label='no flow')]))
+if going:
+    panels.append(dict(title='runs that have not clogged', y='share of the runs', curves=going))
+sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
+                 caption='Specimens of one seed are the same in all cases of one engine. Bars: standard error of the mean over seeds. A run has clogged '
+                         'when in %g s less than %g %% fell through of the most that fell in as long a time before.' % (clogged_for, 100 * clogged_below))
+sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'clogged', 'when in s'], ends)
+
+
+def interval(mean, error, count):
+    """95 %, from Student's distribution; nothing from one seed."""
+    if count < 2:
+        return '-'
+    half = error * (STUDENT[count - 2] if count - 2 < len(STUDENT) else 1.96)
+    return '%+.4f to %+.4f' % ((mean - half) / 10, (mean + half) / 10)
+
+
+if differences:
+    sandglass.table('added', 'What the flow adds to no flow, at the end',
+                    ['case', 'pairs', 'difference in g/cm2', 'standard error', '95 % of the mean', 'over no flow', 'pairs with more'],
+                    [[case, len(extra), '%+.4f' % (mean / 10), '-' if math.isnan(error) else '%.4f' % (error / 10), interval(mean, error, len(extra)),
+                      '%+.0f %%' % (100 * mean / control) if control else '-', '%d of %d' % ((extra > 0).sum(), len(extra))]
+                     for case, _, mean, error, extra, control in differences])
+coupled = [one for one in differences if one[0].startswith('coupled')]
+sandglass.quantity('added_by_coupling', coupled[0][2] if coupled else None, 'kg/m2',
+                   'eroded mass per area of the first coupled case less that without flow, mean over seeds')
+sandglass.quantity('added_by_coupling_error', coupled[0][3] if coupled and not math.isnan(coupled[0][3]) else None, 'kg/m2', 'its standard error')
+told = [course.clogged for courses in cases.values() for course in courses if course.clogged is None or not math.isnan(course.clogged)]
+sandglass.quantity('clogged_share', sum(one is not None for one in told) / len(told) if told else None, '1', 'of all runs long enough to tell')
+sandglass.quantity('beads_unaccounted_max', max(point.quantities['beads_unaccounted'] for point in points), '1', 'of all points')
+sandglass.finish()

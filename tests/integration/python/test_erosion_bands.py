@@ -1,0 +1,94 @@
+"""The erosion test over seeds: bands, what flow adds, and clogging, on runs made up here."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy
+
+from stand_in import PYTHON, render, write
+
+WINDOW = 0.5  # s
+UNIT = 0.25   # kg/m2 of one passage
+
+
+class BandsTest(unittest.TestCase):
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.addCleanup(self.place.cleanup)
+        self.rows = []
+
+    def add(self, drag, seed, eroded, exit_code=0):
+        run = "%s-%d" % (drag, seed)
+        folder = os.path.join(self.place.name, "points", run)
+        os.makedirs(folder)
+        windows = len(eroded)
+        with h5py.File(os.path.join(folder, "record.h5"), "w") as file:
+            file.attrs["filetype"] = "sandglass record"
+            file.attrs["version"] = numpy.array([1, 0])
+            file["windows"] = numpy.array([windows])
+            file["time"] = WINDOW * numpy.array([[n, n + 1] for n in range(windows)])
+            file["fields/eroded"] = numpy.array(eroded, dtype=float)[:, None]
+        self.rows.append({
+            "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
+            "run": os.path.join("..", "points", run), "exit_code": exit_code,
+            "parameters": {"drag": drag, "seed": seed, "dem": "lammps", "cells": 5},
+            "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
+
+    def analyse(self, clogged_below=0.1, clogged_for=1.0):
+        work = os.path.join(self.place.name, "summary", "stages", "bands")
+        os.makedirs(work)
+        write(os.path.join(self.place.name, "summary", "points.json"), json.dumps({"points": self.rows}))
+        script = write(os.path.join(work, "bands.py"),
+                       render("analysis/erosion_bands.py", {"clogged_below": clogged_below, "clogged_for": clogged_for}))
+        done = subprocess.run([sys.executable, "-W", "error", script], cwd=work, env=dict(os.environ, PYTHONPATH=PYTHON),
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(work, "analysis.json")) as file:
+            return json.load(file)
+
+    def test_what_flow_adds_is_taken_seed_by_seed(self):
+        # Seeds differ by far more than flow and no flow of one seed do.
+        for seed, base, more in ((1, 10, 1), (2, 100, 2), (3, 1000, 6)):
+            self.add("none", seed, [base] * 8)
+            self.add("coupled", seed, [base] * 7 + [base + more])
+        result = self.analyse()
+        extra = UNIT * numpy.array([1, 2, 6])
+        self.assertAlmostEqual(result["quantities"]["added_by_coupling"]["value"], extra.mean(), delta=1e-12)
+        self.assertAlmostEqual(result["quantities"]["added_by_coupling_error"]["value"], extra.std(ddof=1) / math.sqrt(3), delta=1e-12)
+        low, high = (float(text) for text in result["tables"][1]["rows"][0][4].split(" to "))
+        self.assertAlmostEqual(high - low, 2 * 4.303 * extra.std(ddof=1) / math.sqrt(3) / 10, delta=2e-4)  # in g/cm2, four digits
+        curves = result["curves"]
+        self.assertEqual([curves["no_flow_LAMMPS_" + what]["y"]["values"][1] for what in ("lowest", "median", "highest")],
+                         [10 * UNIT, 100 * UNIT, 1000 * UNIT])
+        self.assertEqual(curves["added_coupled_5_cells_LAMMPS"]["y"]["values"][:8], [0.0] * 8)
+
+    def test_a_control_is_one_of_the_same_seed(self):
+        self.add("none", 1, [10] * 8)
+        self.add("coupled", 2, [10] * 8)
+        self.assertIsNone(self.analyse()["quantities"]["added_by_coupling"]["value"])
+
+    def test_clogging_and_when(self):
+        # Two windows are the time looked at: the fifth and the sixth have together a tenth of 20 less one.
+        self.add("none", 1, [5, 10, 10, 8, 1, 0, 0, 0])
+        self.add("none", 2, [5, 10, 10, 8, 1, 1, 3, 5])  # down to a tenth, not below
+        self.add("none", 3, [10, 10, 10], 4)  # ended badly: not looked at
+        result = self.analyse()
+        self.assertEqual(result["tables"][0]["rows"][0][-2:], ["1 of 2", "2.0"])
+        self.assertEqual(result["quantities"]["clogged_share"]["value"], 0.5)
+        self.assertEqual(result["curves"]["going_no_flow_LAMMPS"]["y"]["values"], [1] * 4 + [0.5] * 5)
+
+    def test_too_short_to_tell(self):
+        self.add("none", 1, [10, 0, 0])
+        result = self.analyse()
+        self.assertIsNone(result["quantities"]["clogged_share"]["value"])
+        self.assertEqual(result["tables"][0]["rows"][0][-2], "too short to tell")
+
+
+if __name__ == "__main__":
+    unittest.main()
