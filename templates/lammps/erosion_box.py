@@ -38,8 +38,8 @@ def make_box(top):
 
 
 def set_lists():
-    # Without sorting, a run that is resumed goes on with the same bytes.
-    commands('atom_modify sort 0 0', 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes',
+    # Neighbours in space are neighbours in memory: sorted at the begin of every run of steps and every so many of them.
+    commands('atom_modify sort 1000 %.17g' % fine_diameter, 'neighbor %.17g multi' % skin, 'comm_modify mode multi vel yes',
              'neigh_modify delay 0 every 1 check yes one 4000 page 100000', 'neigh_modify collection/type 2 1 2')
 
 
