@@ -51,12 +51,11 @@ class Tree {
     index_.knnSearch(at.data(), 1, &number, &square);
     return {number, std::sqrt(square)};
   }
-  /// Numbers of all points up to `radius` away.
-  void within(const Point& at, double radius,
-              std::vector<std::pair<std::size_t, double>>& found) const {
-    nanoflann::SearchParams unsorted;
-    unsorted.sorted = false;
-    index_.radiusSearch(at.data(), radius * radius, found, unsorted);
+  /// Shows `candidates` the points whose squared distance is less than its worstDist(), those near
+  /// `at` first.
+  template <class Candidates>
+  void search(const Point& at, Candidates& candidates) const {
+    index_.findNeighbors(candidates, at.data(), nanoflann::SearchParams());
   }
 
  private:
@@ -121,6 +120,9 @@ class Cells {
           fmt::format("{} numbers were given, {} to a cell", surface.cells.size(), corners_));
     }
     std::vector<Point> middles;
+    middles.reserve(surface.cells.size() / corners_);
+    numbers_.reserve(surface.cells.size());
+    corner_.reserve(surface.cells.size());
     for (std::size_t c = 0; c < surface.cells.size(); c += corners_) {
       Point middle{};
       for (std::size_t k = 0; k < corners_; ++k) {
@@ -143,44 +145,53 @@ class Cells {
     tree_ = std::make_unique<Tree>(std::move(middles));
   }
 
-  /// The nearest place of any cell, with the numbers and weights of its corners.
-  double nearest(const Point& at, std::span<const std::size_t>& numbers,
-                 std::array<double, 3>& weights) {
-    // The cell with the nearest middle bounds the distance; none whose middle is further than that
-    // and the largest radius can be nearer.
-    std::size_t best = tree_->nearest(at).first;
-    double distance = distance_to(at, best, weights);
-    numbers = std::span(numbers_).subspan(best * corners_, corners_);
-    if (distance <= 1e-14 * radius_) return distance;  // in the cell: none is nearer
-    // A hair further, so that rounding loses no cell.
-    tree_->within(at, (distance + radius_) * (1 + 1e-12), found_);
-    std::array<double, 3> other{};
-    for (const auto& [cell, square] : found_) {
-      const double reach = distance + radius_;
-      if (cell == best || square > reach * reach * (1 + 1e-11)) continue;  // no longer near enough
-      const double one = distance_to(at, cell, other);
-      // Of equally near cells the first, however the tree is built.
-      if (one < distance || (one == distance && cell < best)) {
-        best = cell;
-        distance = one;
-        weights = other;
-      }
-    }
-    numbers = std::span(numbers_).subspan(best * corners_, corners_);
-    return distance;
+  /// Distance to the nearest place of any cell; `entries` become the corners of that cell.
+  double nearest(const Point& at, std::span<Mapping::Entry> entries) const {
+    Candidates candidates(*this, at);
+    tree_->search(at, candidates);
+    for (std::size_t k = 0; k < corners_; ++k)
+      entries[k] = {numbers_[candidates.cell * corners_ + k], candidates.weights[k]};
+    return candidates.distance;
   }
 
  private:
-  double distance_to(const Point& at, std::size_t cell, std::array<double, 3>& weights) const {
-    return project(at, std::span(corner_).subspan(cell * corners_, corners_), weights);
-  }
+  /// What a search for the nearest cell has found: the nearest one so far bounds how far away the
+  /// middle of a nearer one can be, by its distance and the largest radius. For nanoflann, which
+  /// wants these names.
+  struct Candidates {
+    Candidates(const Cells& all, const Point& place) : cells(all), at(place) {}
+
+    bool addPoint(double square, std::size_t other) {
+      if (square > reach) return true;  // no longer near enough
+      std::array<double, 3> found{};
+      const double one = project(
+          at, std::span(cells.corner_).subspan(other * cells.corners_, cells.corners_), found);
+      // Of equally near cells the first, however the tree is built.
+      if (one < distance || (one == distance && other < cell)) {
+        cell = other;
+        distance = one;
+        weights = found;
+        // A hair further, so that rounding loses no cell.
+        reach = (distance + cells.radius_) * (distance + cells.radius_) * (1 + 1e-11);
+      }
+      return distance > 1e-14 * cells.radius_;  // in the cell: none is nearer
+    }
+    [[nodiscard]] double worstDist() const { return reach; }
+    [[nodiscard]] bool full() const { return true; }
+
+    const Cells& cells;
+    const Point& at;
+    std::size_t cell = 0;
+    double distance = std::numeric_limits<double>::infinity();
+    double reach = std::numeric_limits<double>::infinity();  // squared
+    std::array<double, 3> weights{};
+  };
 
   std::size_t corners_;
   std::vector<std::size_t> numbers_;
   std::vector<Point> corner_;
   double radius_ = 0;
   std::unique_ptr<Tree> tree_;
-  std::vector<std::pair<std::size_t, double>> found_;
 };
 
 /// Numbers of points, those near each other one after the other (along Morton's curve): what the
@@ -200,32 +211,25 @@ std::vector<std::size_t> in_order_of_place(std::span<const double> points, int d
       high[k] = std::max(high[k], at[k]);
     }
   }
-  std::vector<std::pair<std::uint32_t, std::size_t>> codes(count);
+  std::vector<std::uint64_t> codes(count);  // and below each, the number of its point
   for (std::size_t i = 0; i < count; ++i) {
     const Point at = point_at(points, dimension, i);
-    std::uint32_t code = 0;
+    std::uint64_t code = 0;
     for (int k = 0; k < 3; ++k) {
       const double share = high[k] > low[k] ? (at[k] - low[k]) / (high[k] - low[k]) : 0;
       const auto place =
-          static_cast<std::uint32_t>(std::clamp(share, 0.0, 1.0) * ((1 << levels) - 1));
+          static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * ((1 << levels) - 1));
       for (int bit = 0; bit < levels; ++bit) code |= (place >> bit & 1U) << (3 * bit + k);
     }
-    codes[i] = {code, i};
+    codes[i] = code << (64 - 3 * levels) | i;
   }
   std::sort(codes.begin(), codes.end());
   std::vector<std::size_t> order(count);
-  std::transform(codes.begin(), codes.end(), order.begin(),
-                 [](const auto& one) { return one.second; });
+  std::transform(codes.begin(), codes.end(), order.begin(), [](std::uint64_t code) {
+    return code & ((std::uint64_t{1} << (64 - 3 * levels)) - 1);
+  });
   return order;
 }
-
-/// Where a point lies on a surface.
-struct Place {
-  std::array<std::size_t, 3> numbers{};
-  std::array<double, 3> weights{};
-  std::size_t corners = 0;
-  double distance = 0;
-};
 
 }  // namespace
 
@@ -244,42 +248,41 @@ Mapping::Mapping(MappingMethod method, const Interface& surface, std::span<const
         fmt::format("{} points are to be mapped to an interface without points", count),
         "its participant must send points");
   }
-  begins_.reserve(count + 1);
+  if (count == 0) return;
   std::unique_ptr<Tree> tree;
   std::unique_ptr<Cells> cells;
-  if (count > 0 && method == MappingMethod::linear) {
+  if (method == MappingMethod::linear) {
     cells = std::make_unique<Cells>(surface);
-  } else if (count > 0) {
+    corners_ = static_cast<std::size_t>(surface.corners);
+  } else {
     std::vector<Point> all(surface_points_);
     for (std::size_t i = 0; i < all.size(); ++i)
       all[i] = point_at(surface.points, surface.dimension, i);
     tree = std::make_unique<Tree>(std::move(all));
   }
-  std::vector<Place> places(count);
-  for (const std::size_t i : in_order_of_place(points, surface.dimension)) {
+  entries_.resize(count * corners_);
+  std::vector<double> distances(count);
+  const std::vector<std::size_t> order = in_order_of_place(points, surface.dimension);
+  for (std::size_t turn = 0; turn < count; ++turn) {
+    // These lie anywhere in memory, which is asked for them ahead of time.
+    const std::size_t soon = order[std::min(turn + 8, count - 1)];
+    __builtin_prefetch(&points[soon * dimension]);
+    __builtin_prefetch(&entries_[soon * corners_], 1);
+    __builtin_prefetch(&distances[soon], 1);
+    const std::size_t i = order[turn];
     const Point at = point_at(points, surface.dimension, i);
-    Place& place = places[i];
     if (cells) {
-      std::span<const std::size_t> numbers;
-      place.distance = cells->nearest(at, numbers, place.weights);
-      place.corners = numbers.size();
-      std::copy(numbers.begin(), numbers.end(), place.numbers.begin());
+      distances[i] = cells->nearest(at, std::span(entries_).subspan(i * corners_, corners_));
     } else {
-      std::tie(place.numbers[0], place.distance) = tree->nearest(at);
-      place.weights[0] = 1;
-      place.corners = 1;
+      std::tie(entries_[i].number, distances[i]) = tree->nearest(at);
     }
   }
-  const std::size_t most = count * (cells ? static_cast<std::size_t>(surface.corners) : 1);
-  numbers_.reserve(most);
-  weights_.reserve(most);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto& [numbers, weights, corners, distance] = places[i];
-    add(std::span(numbers).first(corners), std::span(weights).first(corners), distance);
-    if (!(distance <= limit)) {
+    distance_ = std::max(distance_, distances[i]);
+    if (!(distances[i] <= limit)) {
       throw Error::participant(
           fmt::format("point {} at ({:.6g}) m is {:.6g} m from the interface it is mapped to", i,
-                      fmt::join(points.subspan(i * dimension, dimension), ", "), distance),
+                      fmt::join(points.subspan(i * dimension, dimension), ", "), distances[i]),
           fmt::format(
               "the mapping's limit is {:.6g} m: the interfaces do not lie on each other, or "
               "the limit is too small",
@@ -288,25 +291,14 @@ Mapping::Mapping(MappingMethod method, const Interface& surface, std::span<const
   }
 }
 
-void Mapping::add(std::span<const std::size_t> numbers, std::span<const double> weights,
-                  double distance) {
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    if (weights[k] == 0) continue;
-    numbers_.push_back(numbers[k]);
-    weights_.push_back(weights[k]);
-  }
-  begins_.push_back(numbers_.size());
-  distance_ = std::max(distance_, distance);
-}
-
 std::vector<double> Mapping::consistent(std::span<const double> values,
                                         std::int64_t components) const {
   const auto width = static_cast<std::size_t>(components);
   std::vector<double> result(points() * width, 0.0);
   for (std::size_t i = 0; i < points(); ++i)
-    for (std::size_t e = begins_[i]; e < begins_[i + 1]; ++e)
+    for (const auto& [number, weight] : std::span(entries_).subspan(i * corners_, corners_))
       for (std::size_t k = 0; k < width; ++k)
-        result[i * width + k] += weights_[e] * values[numbers_[e] * width + k];
+        result[i * width + k] += weight * values[number * width + k];
   return result;
 }
 
@@ -315,9 +307,9 @@ std::vector<double> Mapping::conservative(std::span<const double> values,
   const auto width = static_cast<std::size_t>(components);
   std::vector<double> result(surface_points_ * width, 0.0);
   for (std::size_t i = 0; i < points(); ++i)
-    for (std::size_t e = begins_[i]; e < begins_[i + 1]; ++e)
+    for (const auto& [number, weight] : std::span(entries_).subspan(i * corners_, corners_))
       for (std::size_t k = 0; k < width; ++k)
-        result[numbers_[e] * width + k] += weights_[e] * values[i * width + k];
+        result[number * width + k] += weight * values[i * width + k];
   return result;
 }
 

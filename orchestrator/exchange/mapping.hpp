@@ -34,6 +34,12 @@ enum class MappingMethod {
 /// points on the surface, moments too. Displacement and velocity go one way, forces the other.
 class Mapping {
  public:
+  /// What a point of the surface has to do with one of the other points.
+  struct Entry {
+    std::size_t number = 0;
+    double weight = 1;
+  };
+
   /// `limit` is the longest distance (m) from one of the points to the surface. Throws
   /// Error::participant naming the point that is further away, or the cell that is none.
   Mapping(MappingMethod method, const Interface& surface, std::span<const double> points,
@@ -45,19 +51,16 @@ class Mapping {
   /// [points, components] to [surface points, components].
   [[nodiscard]] std::vector<double> conservative(std::span<const double> values,
                                                  std::int64_t components) const;
-  [[nodiscard]] std::size_t points() const { return begins_.size() - 1; }
+  [[nodiscard]] std::size_t points() const { return entries_.size() / corners_; }
   [[nodiscard]] std::size_t surface_points() const { return surface_points_; }
   /// The largest distance from a point to the surface, m.
   [[nodiscard]] double distance() const { return distance_; }
 
  private:
-  void add(std::span<const std::size_t> numbers, std::span<const double> weights, double distance);
-
   std::size_t surface_points_ = 0;
   double distance_ = 0;
-  std::vector<std::size_t> begins_{0};  ///< of a point's entries
-  std::vector<std::size_t> numbers_;    ///< surface points
-  std::vector<double> weights_;
+  std::size_t corners_ = 1;     ///< of the cell that a point lies in, or its nearest point alone
+  std::vector<Entry> entries_;  ///< [points, corners]
 };
 
 /// Segments that join points in their order: the cells of a line without branches.
