@@ -84,9 +84,10 @@ Spread polled_sphere(const run::Home& home, const std::string& folder, std::int6
 /// The impact on a beam (workflows/beam_single_impact.yaml) at the paper's step, exchanged in every
 /// step.
 struct ImpactTimes {
-  double all = 0;       ///< s, from nothing to the end of the last window
-  double windows = 0;   ///< s, behind the first one
-  double overhead = 0;  ///< s per window in which no participant worked
+  double all = 0;        ///< s, from nothing to the end of the last window
+  double windows = 0;    ///< s, behind the first one
+  double overhead = 0;   ///< s per window in which no participant worked
+  double processor = 0;  ///< s per window of the orchestrator's own processor time
 };
 ImpactTimes impact(const run::Home& home, const std::string& folder, const std::string& continuum,
                    std::int64_t windows);

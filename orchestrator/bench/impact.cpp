@@ -19,7 +19,7 @@ ImpactTimes impact(const run::Home& home, const std::string& folder, const std::
   scene.coupling->windows = windows;
   const WindowEnds measured = window_ends(home, scene, folder);
   return {measured.ends.back() - measured.begin, measured.ends.back() - measured.ends.front(),
-          measured.overhead};
+          measured.overhead, measured.processor};
 }
 
 double impact_alone(const run::Home& home, const std::string& folder, std::int64_t windows) {

@@ -1,9 +1,21 @@
 #include "bench/loaded.hpp"
 
+#include <time.h>  // NOLINT(modernize-deprecated-headers): clock_gettime
+
 #include "base/clock.hpp"
 #include "run/coupled_stage.hpp"
 
 namespace sandglass::bench {
+namespace {
+
+/// Seconds that all threads of this program have spent on a processor, in it or in the system.
+double processor_time() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
 
 workflow::Workflow loaded(const run::Home& home, const std::string& path,
                           const std::vector<workflow::Setting>& settings,
@@ -25,9 +37,18 @@ WindowEnds window_ends(const run::Home& home, const workflow::Workflow& workflow
   WindowEnds result;
   result.ends.reserve(static_cast<std::size_t>(workflow.coupling->windows));
   result.begin = clock.now();
+  double first = 0;
+  double last = 0;
   run::run_coupling(workflow, home, directory, scripts, run::Span{}, outcome,
-                    [&](std::int64_t, double) { result.ends.push_back(clock.now()); });
+                    [&](std::int64_t, double) {
+                      result.ends.push_back(clock.now());
+                      last = processor_time();
+                      if (result.ends.size() == 1) first = last;
+                    });
   result.overhead = outcome.overhead_per_window();
+  if (result.ends.size() > 1) {
+    result.processor = (last - first) / static_cast<double>(result.ends.size() - 1);
+  }
   return result;
 }
 

@@ -16,8 +16,10 @@
 namespace sandglass::record {
 namespace {
 
-/// How long rows gather: short for whoever watches the file, long against a write.
-constexpr std::chrono::microseconds kGather{1000};
+/// How long rows gather, unless they are many: short for whoever watches the file, long against a
+/// window and against a write.
+constexpr std::chrono::milliseconds kGather{10};
+constexpr std::size_t kManyBytes = 1U << 20U;
 /// What may wait to be written before the caller does: more would not stay in the processor's
 /// cache.
 constexpr std::size_t kMostBytes = 8U << 20U;
@@ -61,7 +63,7 @@ void RowWriter::append(const std::vector<Piece>& row, std::int64_t complete) {
       waiting_.bytes.insert(waiting_.bytes.end(), from, from + piece.size);
     }
     waiting_.rows.push_back({waiting_.pieces.size(), complete});
-    wake = std::exchange(idle_, false);
+    wake = std::exchange(idle_, false) || waiting_.bytes.size() >= kManyBytes;
   }
   if (wake) wake_.notify_one();
 }
@@ -102,7 +104,8 @@ void RowWriter::work() {
     done_.notify_all();
     if (failure_) return;
     // Not woken by rows: so the caller is spared a call into the system for each.
-    wake_.wait_for(lock, kGather, [&] { return hurried_ || ending_; });
+    wake_.wait_for(lock, kGather,
+                   [&] { return hurried_ || ending_ || waiting_.bytes.size() >= kManyBytes; });
   }
 }
 

@@ -13,9 +13,10 @@ namespace sandglass::record {
 
 /// Writes the rows of a record on a thread of its own, so that no window waits for the disk.
 ///
-/// A row handed over is on its way at once; rows that come faster than about one in a millisecond
-/// are written together. The number of complete rows is written behind what it counts, so that the
-/// file is whole at every moment. A disk that cannot keep up holds the caller back at last.
+/// A row handed over is on its way at once; rows that come faster than about one in ten
+/// milliseconds are written together. The number of complete rows is written behind what it counts,
+/// so that the file is whole at every moment. A disk that cannot keep up holds the caller back at
+/// last.
 class RowWriter {
  public:
   /// Bytes and their place in the file.
