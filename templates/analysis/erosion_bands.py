@@ -97,7 +97,7 @@ panels = [dict(title='lowest, median and highest over seeds', y='eroded mass per
 if differences:
     panels.append(dict(title='less no flow, seed by seed', y='difference of eroded mass per area', y_unit='g/cm2',
                        curves=[one[1] for one in differences], marks=[dict(axis='y', value=0.0, label='no flow')]))
-if going:
+if any(row[-1] != '-' for row in ends):
     panels.append(dict(title='runs that have not clogged', y='share of the runs', curves=going))
 sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
                  caption='Specimens of one seed are the same in all cases of one engine. Bars: standard error of the mean over seeds. A run has clogged '
