@@ -115,7 +115,7 @@ EXTREME = {
     "window of 4 us, predicted": dict(time_step="4e-6", wall_prediction="true"),
     "window of 40 us": dict(time_step="40e-6"),
     "window of 40 us, iterated": dict(time_step="40e-6", scheme="serial-implicit", acceleration="iqn-ils"),
-    "material points, step beyond the limit": dict(continuum="mpm", time_step="1e-6"),
+    "material points, window beyond the limit of a step": dict(continuum="mpm", time_step="1e-6"),
     "material points, the surface in an all but empty cell": dict(continuum="mpm", spread_load="false", time_step="2e-7",
                                                                   grid_height="25.48e-3", wall_prediction="true"),
     "material points, the surface in an empty cell": dict(continuum="mpm", spread_load="false", time_step="2e-7",
