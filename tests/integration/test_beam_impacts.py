@@ -185,7 +185,7 @@ class Extremes(Case):
     def test_material_points_take_the_steps_that_are_stable(self):
         # A window of 1 us is beyond the limit of an explicit step: sound crosses a cell of 30/13 mm in 0.424 us.
         run = self.sandglass("run", SINGLE, *sets(**{**SHORT, "continuum": "mpm", "time_step": "1e-6 s"}, wall_prediction="true"),
-                             out="beyond")
+                             out="beyond", seconds=300)
         self.assert_code(run, DONE)
         self.assertIn("the beam takes 3 steps in every window", " ".join(note["text"] for note in run.result["notes"]))
         self.assertLess(abs(run.quantity("coupling_energy_gain")), 2e-3)
