@@ -80,11 +80,10 @@ def go_on():
     print('%.4f s, %d fell through' % fallen[-1], flush=True)
 
 
-while layer_porosity(wall_height - wall_speed * (time - start)) > porosity:
+met_coarse = False  # a coarse bead, with a fine one on top, holds the wall back; the layer stays looser
+while not met_coarse and layer_porosity(wall_height - wall_speed * (time - start)) > porosity:
     go_on()
-    if wall_height - wall_speed * (time - start) < coarse_top:
-        raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
-                         % (layer_porosity(coarse_top), layer_base, porosity))
+    met_coarse = wall_height - wall_speed * (time - start) < coarse_top + fine_diameter
 wall_height -= wall_speed * (time - start)
 reached, preparation_time, lost_at_porosity = layer_porosity(wall_height), time - start, fallen[-1][1]
 lmp.command('unfix lid')

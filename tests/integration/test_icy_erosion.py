@@ -326,6 +326,16 @@ class Options(Case):
         self.assert_code(ended, PARTICIPANT)
         self.assertIn("YADE needs a section of more than two coarse beads", ended.err)
 
+    def test_a_wall_that_meets_a_coarse_bead_stops_there_and_says_so(self):
+        """300 fine beads fill the hollows between the coarse ones and make no layer."""
+        ended = self.sandglass("run", WORKFLOW, *sets(scale="small", fine_beads=300, end_time="0.04 s", window="0.04 s"), out="met", seconds=HANG)
+        self.assert_code(ended, DONE)
+        self.assertIn("the wall met a coarse bead", " ".join(note["text"] for note in ended.result["notes"]))
+        self.assertGreater(ended.quantity("porosity_fine_initial"), 0.51)
+        with h5py.File(ended.path("stages", "specimen", "specimen.h5")) as file:
+            self.assertLess(file.attrs["wall_height"], file.attrs["coarse_top"] + 0.346e-3)
+            self.assertGreater(file.attrs["wall_height"], file.attrs["coarse_top"] + 0.3e-3)
+
 
 if __name__ == "__main__":
     unittest.main()
