@@ -17,9 +17,8 @@ workflow::Workflow loaded(const run::Home& home, const std::string& path,
 struct WindowEnds {
   double begin = 0;  ///< s, before anything was started
   std::vector<double> ends;
-  double overhead = 0;  ///< s per window in which no participant worked
-  double processor =
-      0;  ///< s per window of this program's own processor time, behind the first one
+  double overhead = 0;   ///< s per window in which no participant worked
+  double processor = 0;  ///< s per window of this program's own, behind the first one
 };
 /// Runs the workflow's coupling, and nothing else of it, in a new run directory below `folder`.
 WindowEnds window_ends(const run::Home& home, const workflow::Workflow& workflow,
