@@ -194,9 +194,10 @@ def legend_shape(labels, width):
         return 1, 0
     widths = [0.067 * len(label) + 0.75 for label in labels]  # the line sample and the gaps included
     for columns in range(len(labels), 1, -1):
-        rows = math.ceil(len(labels) / columns)
-        if sum(max(widths[begin:begin + rows]) for begin in range(0, len(labels), rows)) <= width:
-            return columns, rows
+        rows, longer = divmod(len(labels), columns)  # matplotlib's first columns are the longer ones
+        begins = [number * rows + min(number, longer) for number in range(columns + 1)]
+        if sum(max(widths[begin:end]) for begin, end in zip(begins, begins[1:])) <= width:
+            return columns, rows + (longer > 0)
     return 1, len(labels)
 
 
