@@ -78,6 +78,7 @@ int main_program(int argc, char** argv) {
   session.command.assign(argv, argv + argc);
   add_run(app, session);
   add_resume(app, session);
+  add_analyse(app, session);
   add_replay(app, session);
   add_study(app, session);
   add_why(app, session);

@@ -26,6 +26,7 @@ struct Session {
 
 void add_run(CLI::App& app, Session& session);
 void add_resume(CLI::App& app, Session& session);
+void add_analyse(CLI::App& app, Session& session);
 void add_replay(CLI::App& app, Session& session);
 void add_study(CLI::App& app, Session& session);
 void add_why(CLI::App& app, Session& session);

@@ -112,10 +112,10 @@ Record::Record(std::string path, std::int64_t windows, std::vector<RecordedField
 
 void Record::take_over(const std::string& to, std::int64_t kept) {
   const hdf5::File old(path_, hdf5::File::Mode::read);
-  if (old.read_counts("/windows").at(0) < kept) {
+  if (const std::int64_t held = windows_of(path_); held < kept) {
     throw Error::environment(
-        fmt::format("the record '{}' holds {} windows, fewer than the checkpoint's {}", path_,
-                    old.read_counts("/windows").at(0), kept),
+        fmt::format("the record '{}' holds {} windows, fewer than the checkpoint's {}", path_, held,
+                    kept),
         "it was changed after the run: run anew");
   }
   const Descriptor from(path_, O_RDONLY);
@@ -206,7 +206,11 @@ void Record::close() {
 
 void Record::cut_if_possible() {
   try {
-    cut();
+    const std::string shorter = path_ + ".part";
+    copy_windows(path_, shorter, appended_);
+    if (std::rename(shorter.c_str(), path_.c_str()) != 0) {
+      throw_system_error("rename", shorter, errno);
+    }
   } catch (const Error&) {
     // A full disk most likely, and why the run ended. The long file is as whole: /windows counts.
     std::error_code ignored;
@@ -214,31 +218,39 @@ void Record::cut_if_possible() {
   }
 }
 
-void Record::cut() {
-  const std::string shorter = path_ + ".part";
-  {
-    const hdf5::File from(path_, hdf5::File::Mode::read);
-    hdf5::File to(shorter, hdf5::File::Mode::create);
-    describe(to);
-    to.write("/windows", {1}, std::vector<std::int64_t>{appended_});
-    const auto copy_numbers = [&](const std::string& name, const hdf5::Shape& shape) {
-      to.write(name, with_windows(appended_, shape), from.read_numbers(name, appended_));
-    };
-    const auto copy_counts = [&](const std::string& name) {
-      to.write(name, {appended_}, from.read_counts(name, appended_));
-    };
-    copy_numbers("/time", {2});
-    copy_counts("/iterations");
-    for (const std::string& column : timing_columns_) copy_numbers("/timings/" + column, {});
-    for (const RecordedField& field : fields_) {
-      if (field.variable) copy_counts("/counts/" + field.name);
-      copy_numbers("/fields/" + field.name, field.shape);
-      describe_field(to, field);
+std::int64_t windows_of(const std::string& path) {
+  if (!std::filesystem::exists(path)) return 0;
+  return hdf5::File(path, hdf5::File::Mode::read).read_counts("/windows").at(0);
+}
+
+void copy_windows(const std::string& from_path, const std::string& to_path, std::int64_t windows) {
+  const hdf5::File from(from_path, hdf5::File::Mode::read);
+  hdf5::File to(to_path, hdf5::File::Mode::create);
+  describe(to);
+  to.write("/windows", {1}, std::vector<std::int64_t>{windows});
+  const auto copy_numbers = [&](const std::string& name) {
+    hdf5::Shape shape = from.shape(name);
+    shape[0] = windows;
+    to.write(name, shape, from.read_numbers(name, windows));
+  };
+  const auto copy_counts = [&](const std::string& name) {
+    to.write(name, {windows}, from.read_counts(name, windows));
+  };
+  const auto each = [&](const std::string& group, const auto& copy) {
+    if (!from.exists(group)) return;
+    for (const std::string& name : from.list(group)) copy(group + "/" + name);
+  };
+  copy_numbers("/time");
+  copy_counts("/iterations");
+  each("/timings", copy_numbers);
+  each("/counts", copy_counts);
+  each("/fields", [&](const std::string& name) {
+    copy_numbers(name);
+    for (const char* attribute : {"unit", "from", "to"}) {
+      to.set_attribute(name, attribute, from.text_attribute(name, attribute));
     }
-    to.close();
-  }
-  if (std::rename(shorter.c_str(), path_.c_str()) != 0)
-    throw_system_error("rename", shorter, errno);
+  });
+  to.close();
 }
 
 }  // namespace sandglass::record

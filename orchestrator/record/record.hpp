@@ -73,7 +73,6 @@ class Record {
   template <typename Write>
   void tell(Write write);
   void cut_if_possible();
-  void cut();
 
   std::string path_;
   std::int64_t planned_ = 0;
@@ -91,5 +90,12 @@ class Record {
   std::vector<RowWriter::Piece> pieces_;  ///< of the row being appended
   bool told_ = false;                     ///< the caller has had the failure
 };
+
+/// How many windows the record at `path` holds; 0 where there is none.
+std::int64_t windows_of(const std::string& path);
+
+/// Writes the first `windows` windows of the record at `from`, which may be growing meanwhile, as a
+/// record of its own to `to`. There must be as many.
+void copy_windows(const std::string& from, const std::string& to, std::int64_t windows);
 
 }  // namespace sandglass::record

@@ -289,26 +289,14 @@ class CoupledRun {
                               span_.behind);
     }
     record::CouplingState state = checkpoints.coupling_state(span_.behind);
-    outcome_.elapsed_before = state.elapsed;
     memory_ = std::move(state.arrays);
+    if (span_.keeps_record) {
+      outcome_ = outcome_of_record(coupling_, directory_.file("record.h5"), span_.behind);
+    }
+    outcome_.elapsed_before = state.elapsed;
     outcome_.windows = span_.behind;
     outcome_.windows_taken = span_.behind;
-    if (span_.keeps_record) add_earlier_seconds();
     outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
-  }
-
-  /// What the windows that were taken over took, as their record has it.
-  void add_earlier_seconds() {
-    const hdf5::File record(directory_.file("record.h5"), hdf5::File::Mode::read);
-    const auto sum = [&](const std::string& column) {
-      const auto seconds = record.read_numbers("/timings/" + column, span_.behind);
-      return std::accumulate(seconds.begin(), seconds.end(), 0.0);
-    };
-    for (const auto& participant : participants_) {
-      outcome_.participant_seconds[participant->name()] += sum(participant->name());
-    }
-    outcome_.exchange_seconds += sum("exchange");
-    outcome_.record_seconds += sum("record");
   }
 
   [[nodiscard]] bool has(const Participant& participant, const char* ability) const {
@@ -576,6 +564,26 @@ double CoupledOutcome::overhead_per_window() const {
   if (windows == windows_taken) return 0;
   return std::max(0.0, loop_seconds - working_seconds - checkpoint_seconds) /
          static_cast<double>(windows - windows_taken);
+}
+
+CoupledOutcome outcome_of_record(const workflow::Coupling& coupling, const std::string& path,
+                                 std::int64_t windows) {
+  const hdf5::File record(path, hdf5::File::Mode::read);
+  const auto sum = [&](const std::string& column) {
+    const auto seconds = record.read_numbers("/timings/" + column, windows);
+    return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  };
+  CoupledOutcome outcome;
+  outcome.windows = windows;
+  outcome.windows_taken = windows;
+  outcome.time = static_cast<double>(windows) * coupling.window;
+  for (const std::string& participant : coupling.order) {
+    outcome.participant_seconds[participant] = sum(participant);
+  }
+  outcome.exchange_seconds = sum("exchange");
+  outcome.record_seconds = sum("record");
+  outcome.elapsed_before = sum("ended") - sum("began");
+  return outcome;
 }
 
 void run_coupling(const workflow::Workflow& workflow, const Home& home,

@@ -55,4 +55,8 @@ void run_coupling(const workflow::Workflow& workflow, const Home& home,
                   CoupledOutcome& outcome,
                   const std::function<void(std::int64_t window, double time)>& progress);
 
+/// What the first `windows` windows of the record at `path` tell of the coupling that made them.
+CoupledOutcome outcome_of_record(const workflow::Coupling& coupling, const std::string& path,
+                                 std::int64_t windows);
+
 }  // namespace sandglass::run

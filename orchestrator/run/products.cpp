@@ -32,20 +32,6 @@ std::string text_of(const Made& made) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// Copies the products and, last, what says that they are whole.
-void copy_made(const Made& made, const std::string& from, const std::string& to) {
-  make_directories(to);
-  for (const record::UsedFile& product : made.products) {
-    const fs::path target = fs::path(to) / product.path;
-    make_directories(target.parent_path().string());
-    std::error_code error;
-    fs::copy_file(fs::path(from) / product.path, target, fs::copy_options::overwrite_existing,
-                  error);
-    if (error) throw_system_error("copy a product to", target.string(), error.value());
-  }
-  write_file(to + kMade, text_of(made));
-}
-
 std::string kept_root() {
   const auto variable = [](const char* name) {
     const char* value = std::getenv(name);
@@ -88,6 +74,20 @@ std::optional<Made> made_in(const std::string& folder) {
   } catch (const Error&) {
     return std::nullopt;
   }
+}
+
+void copy_made(const Made& made, const std::string& from, const std::string& to) {
+  make_directories(to);
+  for (const record::UsedFile& product : made.products) {
+    const fs::path target = fs::path(to) / product.path;
+    make_directories(target.parent_path().string());
+    std::error_code error;
+    fs::copy_file(fs::path(from) / product.path, target, fs::copy_options::overwrite_existing,
+                  error);
+    if (error) throw_system_error("copy a product to", target.string(), error.value());
+  }
+  // Last: it says that they are whole.
+  write_file(to + kMade, text_of(made));
 }
 
 KeptProducts::KeptProducts() : root_(kept_root()) {}

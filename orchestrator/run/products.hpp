@@ -26,6 +26,9 @@ void store_made(const workflow::Stage& stage, const record::RunDirectory& direct
 /// What lies in the folder, or nothing where made.json is missing or a product is not what it says.
 std::optional<Made> made_in(const std::string& folder);
 
+/// Copies what lies in folder `from`, and says the same of it in folder `to`.
+void copy_made(const Made& made, const std::string& from, const std::string& to);
+
 /// Products of stages with `reuse: true`, kept between runs: one folder per stage and digest of
 /// all that decides them (script, input files, solver), below $SANDGLASS_KEPT, else
 /// $XDG_CACHE_HOME/sandglass, else ~/.cache/sandglass.

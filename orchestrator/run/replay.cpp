@@ -12,6 +12,7 @@
 #include "hdf5/hdf5.hpp"
 #include "process/interrupt.hpp"
 #include "record/checkpoint.hpp"
+#include "record/record.hpp"
 #include "run/beginning.hpp"
 #include "run/coupled_stage.hpp"
 
@@ -83,11 +84,6 @@ void compare(const std::string& recorded_path, const std::string& repeated_path,
   }
 }
 
-std::int64_t recorded_windows(const std::string& path) {
-  if (!fs::exists(path)) return 0;
-  return hdf5::File(path, hdf5::File::Mode::read).read_counts("/windows").at(0);
-}
-
 }  // namespace
 
 Replayed replay(const std::string& run_directory, std::int64_t window, const Home& home,
@@ -97,7 +93,7 @@ Replayed replay(const std::string& run_directory, std::int64_t window, const Hom
   const Beginning beginning = read_beginning(run.path());
   const workflow::Workflow workflow = load_again(beginning, home, run.path());
   require_unchanged(beginning, workflow, home);
-  const std::int64_t windows = workflow.coupling ? recorded_windows(run.file("record.h5")) : 0;
+  const std::int64_t windows = workflow.coupling ? record::windows_of(run.file("record.h5")) : 0;
   if (windows == 0)
     throw Error::environment(fmt::format("'{}' has no recorded window", run.path()));
   if (window < 0 || window > windows) {

@@ -18,6 +18,7 @@
 #include "record/checkpoint.hpp"
 #include "record/crate.hpp"
 #include "record/provenance.hpp"
+#include "record/record.hpp"
 #include "report/analysis.hpp"
 #include "report/compare.hpp"
 #include "report/page.hpp"
@@ -44,11 +45,19 @@ std::vector<record::UsedProgram> identify_all(const Home& home,
   return used;
 }
 
+/// What of a workflow is done.
+enum class Part {
+  whole,
+  rest,      ///< of a run that was begun before
+  analyses,  ///< of what another run has made, copied into the directory
+};
+
 class Run {
  public:
-  /// `beginning` is that of a run to go on with; none: a new one.
+  /// `beginning` is that of the run to go on with or to analyse.
   Run(const workflow::Workflow& workflow, const Home& home, const Options& options, Status& status,
-      record::RunDirectory directory, std::optional<Beginning> beginning)
+      record::RunDirectory directory, Part part = Part::whole,
+      std::optional<Beginning> beginning = std::nullopt)
       : workflow_(workflow),
         home_(home),
         options_(options),
@@ -56,8 +65,8 @@ class Run {
         directory_(std::move(directory)),
         scripts_(home.templates(), directory_.folder("scripts")),
         status_(directory_.file("status.json"), status),
-        resumed_(beginning.has_value()) {
-    if (!beginning) {
+        part_(part) {
+    if (part == Part::whole) {
       write_file(directory_.file("workflow.yaml"), read_file(workflow.path));
       beginning = begin_run(workflow, home, options.command, directory_);
     }
@@ -128,10 +137,14 @@ class Run {
   /// another one.
   void make(const workflow::Stage& stage) {
     const double start = clock_.now();
-    if (resumed_ && !stage.analysis) {
+    if (part_ != Part::whole && !stage.analysis) {
       if (const auto made = made_in(directory_.file("stages/" + stage.name))) {
         return made->taken ? take(stage, *made) : go_on_with(stage, *made);
       }
+    }
+    if (part_ == Part::analyses && !stage.analysis) {
+      throw Error::environment(fmt::format("the run has not come to stage {}", stage.name),
+                               "wait for it");
     }
     std::string made_of;
     if (stage.reuse) {
@@ -174,7 +187,7 @@ class Run {
     Span span;
     span.began = started_;
     span.checkpoints = &directory_;
-    if (!resumed_) return span;
+    if (part_ == Part::whole) return span;
     const record::Checkpoints checkpoints(directory_);
     span.behind = checkpoints.newest(workflow_.coupling->windows).value_or(0);
     checkpoints.drop_behind(span.behind);
@@ -182,6 +195,7 @@ class Run {
   }
 
   void couple() {
+    if (part_ == Part::analyses) return take_windows();
     const double start = clock_.now();
     const Span span = this->span();
     progress_.windows = workflow_.coupling->windows;
@@ -198,6 +212,18 @@ class Run {
                        static_cast<double>(progress_.windows - window) / progress_.rate;
                    status_.window(progress_);
                  });
+  }
+
+  /// The coupling is what the record has of it.
+  void take_windows() {
+    const workflow::Coupling& coupling = *workflow_.coupling;
+    const std::string record = directory_.file("record.h5");
+    const std::int64_t windows = record::windows_of(record);
+    outcome_ = outcome_of_record(coupling, record, windows);
+    outcome_.elapsed_before += seconds_of_earlier_stages_;
+    if (windows == coupling.windows) return;
+    add_note(fmt::format("coupling: {} of {} windows, as far as the run had come", windows,
+                         coupling.windows));
   }
 
   /// Quantities and comparisons; the verdict.
@@ -232,7 +258,9 @@ class Run {
     std::error_code ignored;
     std::filesystem::remove(directory_.file(kReserve), ignored);
     result_.windows = outcome_.windows;
-    if (outcome_.windows > 0) result_.overhead_s_per_window = outcome_.overhead_per_window();
+    if (outcome_.windows > outcome_.windows_taken) {
+      result_.overhead_s_per_window = outcome_.overhead_per_window();
+    }
     if (outcome_.windows > 0) add_left_out();
     for (const std::string& note : outcome_.notes) add_note(note);
     result_.wall_time_s = wall_time();
@@ -320,6 +348,10 @@ class Run {
     std::vector<std::string> command = options_.command;
     if (!command.empty()) command[0] = "sandglass";
     json["command"] = command;
+    if (part_ == Part::analyses) {
+      json["recorded_by"] = {{"command", beginning_.command},
+                             {"templates", record::to_json(beginning_.templates)}};
+    }
     json["workflow"] = {{"path", workflow_.path},
                         {"digest", digest_of_file(directory_.file("workflow.yaml"))}};
     json["solvers"] = nlohmann::json::array();
@@ -370,7 +402,7 @@ class Run {
   StatusFile status_;
   Progress progress_;
   Beginning beginning_;
-  bool resumed_;
+  Part part_;
   report::Result result_;
   CoupledOutcome outcome_;
   std::shared_future<std::vector<record::UsedProgram>> solvers_;
@@ -392,7 +424,7 @@ Ended execute(const workflow::Workflow& workflow, const Home& home, const Option
   Interrupt::install();
   report::check_references(workflow, home.data());
   return Run(workflow, home, options, status,
-             record::RunDirectory::create(options.out, options.runs, workflow.name), std::nullopt)
+             record::RunDirectory::create(options.out, options.runs, workflow.name))
       .execute();
 }
 
@@ -411,7 +443,35 @@ Ended resume(const std::string& path, const Home& home, const Options& options, 
   require_unchanged(beginning, workflow, home);
   clear_unfinished(directory);
   go_on(beginning, directory);
-  return Run(workflow, home, options, status, std::move(directory), std::move(beginning)).execute();
+  return Run(workflow, home, options, status, std::move(directory), Part::rest,
+             std::move(beginning))
+      .execute();
+}
+
+Ended analyse(const std::string& path, const Home& home, const Options& options, Status& status) {
+  namespace fs = std::filesystem;
+  Interrupt::install();
+  const fs::path run = path;
+  const Beginning beginning = read_beginning(path);
+  const workflow::Workflow workflow = load_again(beginning, home, path);
+  const std::string record = run / "record.h5";
+  const std::int64_t windows = record::windows_of(record);
+  if (workflow.coupling && windows == 0) {
+    throw Error::environment(fmt::format("'{}' has no recorded window", path), "wait for it");
+  }
+  record::RunDirectory directory =
+      record::RunDirectory::create(options.out, options.runs, workflow.name + "-analysed");
+  for (const char* name : {"workflow.yaml", "run.json"}) {
+    write_file(directory.file(name), read_file(run / name));
+  }
+  for (const workflow::Stage& stage : workflow.stages) {
+    const std::string made = run / "stages" / stage.name;
+    const auto what = made_in(made);
+    if (what && !stage.analysis) copy_made(*what, made, directory.folder("stages/" + stage.name));
+  }
+  if (windows > 0) record::copy_windows(record, directory.file("record.h5"), windows);
+  return Run(workflow, home, options, status, std::move(directory), Part::analyses, beginning)
+      .execute();
 }
 
 std::vector<RenderedScript> dry_run(const workflow::Workflow& workflow, const Home& home) {

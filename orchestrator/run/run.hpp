@@ -44,6 +44,13 @@ Ended execute(const workflow::Workflow& workflow, const Home& home, const Option
 Ended resume(const std::string& directory, const Home& home, const Options& options,
              Status& status);
 
+/// Runs the analysis stages on what the run in `directory` has recorded so far, and compares and
+/// reports, all in a run directory of its own (`options.out`). The run is only read and may be
+/// going on; the templates of its analyses may have changed. Throws Error::environment when
+/// `directory` is no run directory or nothing is recorded.
+Ended analyse(const std::string& directory, const Home& home, const Options& options,
+              Status& status);
+
 /// Renders every script of the workflow without storing or starting anything. Throws
 /// Error::refused.
 struct RenderedScript {

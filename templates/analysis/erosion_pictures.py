@@ -64,8 +64,9 @@ def draw_beads(name, position, title):
     if not there.any():
         return
     top = (position[:, 2] + cut)[there].max() + fine
-    figure = Figure(figsize=(4.5, 1.2 + 4.0 * (top + 2e-3) / width), dpi=120)
-    axes = figure.add_axes((0.16, 0.1, 0.8, 0.82))
+    tall = 3.6 * (top + 2e-3) / width  # inches, where the section is 3.6 wide
+    figure = Figure(figsize=(4.5, tall + 1), dpi=120)
+    axes = figure.add_axes((0.16, 0.6 / (tall + 1), 0.8, tall / (tall + 1)))
     for kind, colour in ((radius > fine * 1.01, '#8a96a3'), (radius <= fine * 1.01, '#d55e00')):
         mine = there & kind
         axes.add_collection(EllipseCollection(2e3 * cut[mine], 2e3 * cut[mine], numpy.zeros(mine.sum()), units='xy',
