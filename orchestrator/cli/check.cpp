@@ -5,8 +5,21 @@
 #include "cli/cli.hpp"
 #include "report/compare.hpp"
 #include "run/home.hpp"
+#include "study/study.hpp"
 
 namespace sandglass::cli {
+namespace {
+
+/// Throws Error::refused when a point of the study cannot be run as it is set.
+void check_points(const WorkflowOptions& options) {
+  study::Options study;
+  study.file = options.file;
+  study.load = options.load_options();
+  fmt::print("{}: all {} points are well\n", options.file,
+             study::plan(study, run::Home::find()).points);
+}
+
+}  // namespace
 
 void add_check(CLI::App& app, Session& session) {
   auto options = std::make_shared<WorkflowOptions>();
@@ -18,6 +31,7 @@ void add_check(CLI::App& app, Session& session) {
     session.action = [options] {
       const workflow::Workflow workflow = options->load();
       report::check_references(workflow, run::Home::find().data());
+      if (workflow.study) check_points(*options);
       fmt::print(
           "{}: all is well; checked {} parameters, {} stages, {} participants and their "
           "templates\n",

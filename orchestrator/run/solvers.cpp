@@ -210,12 +210,15 @@ record::UsedProgram identify_solver(const Home& home, const std::string& name,
   const std::string program =
       info.package.empty() ? home.solver_folder(name) + "/bin/python" : info.program;
   record::UsedProgram used = record::identify(info.name, program, info.package, parts, digest);
-  // Our own files are named as they are in the checkout or the build, wherever those are.
-  for (record::UsedFile& part : used.parts) {
+  // Our own files and private environments are named as they are in the checkout or the build,
+  // wherever those are.
+  const auto shorten = [&](std::string& path) {
     for (const std::string& place : {home.build + "/", home.root + "/"}) {
-      if (part.path.rfind(place, 0) == 0) part.path.erase(0, place.size());
+      if (path.rfind(place, 0) == 0) path.erase(0, place.size());
     }
-  }
+  };
+  shorten(used.path);
+  for (record::UsedFile& part : used.parts) shorten(part.path);
   return used;
 }
 

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""What moving the beads of the erosion test costs, and what coupling adds: the small scene in several ways.
+"""What moving the beads of the erosion test costs, and what coupling adds: one scene in several ways.
 
-    SANDGLASS_BINARY=... SANDGLASS_HOME=... /usr/bin/python3 reports/icy_erosion/benchmark.py FOLDER [WINDOWS [NAME=VALUE...]]
+    SANDGLASS_BINARY=... SANDGLASS_HOME=... /usr/bin/python3 reports/icy_erosion/benchmark.py FOLDER [NAME=VALUE...]
+                                                                      [--windows COUNT] [--rounds COUNT] [--specimen SPECIMEN.H5]
 
-Runs in FOLDER, one after another, and prints a table; benchmark.csv in FOLDER has it too. Only ratios mean something, and only
+The small scene, or with scale=full and the specimen that another run has made the full one.
+
+Runs in FOLDER, one after another, those that are not there yet, and prints a table; benchmark.csv in FOLDER has it too. Only ratios mean something, and only
 on a machine that does nothing else.
 
 - orchestrated: `sandglass run`, YADE and FreeFEM, without checkpoints, because a state that is written is also loaded, and what
@@ -15,21 +18,30 @@ on a machine that does nothing else.
 - LAMMPS on one rank, and on two.
 """
 
+import argparse
 import csv
 import json
 import os
+import re
+import statistics
 import subprocess
-import sys
 
 import h5py
 
 HOME = os.path.realpath(os.environ["SANDGLASS_HOME"])
 BINARY = os.path.realpath(os.environ["SANDGLASS_BINARY"])
 WORKFLOW = os.path.join(HOME, "workflows", "icy_erosion.yaml")
-FOLDER = os.path.abspath(sys.argv[1])
-WINDOWS = int(sys.argv[2]) if len(sys.argv) > 2 else 3
-CHANGED = dict(word.split("=", 1) for word in sys.argv[3:])
 WINDOW = 0.05  # s
+
+_words = argparse.ArgumentParser()
+_words.add_argument("folder")
+_words.add_argument("changed", nargs="*", metavar="NAME=VALUE")
+_words.add_argument("--windows", type=int, default=3)
+_words.add_argument("--rounds", type=int, default=3)
+_words.add_argument("--specimen")
+given = _words.parse_args()
+FOLDER, WINDOWS = os.path.abspath(given.folder), given.windows
+CHANGED = dict(word.split("=", 1) for word in given.changed)
 
 # Runs the set-up and then the windows, with a stand-in for the participant. PLAIN replaces texts of the set-up.
 SINGLE = '''
@@ -93,17 +105,30 @@ PLAIN = [("verletDist=verlet_distance, targetInterv=-1, ", ""),
          ("forget_fallen, plane_sides, needed_functors = True, True, True", "forget_fallen, plane_sides, needed_functors = False, False, False")]
 
 
+def workflow():
+    """The erosion test, with the specimen that was given, if one was, in the place of one that is made."""
+    if not given.specimen:
+        return WORKFLOW
+    with open(WORKFLOW) as file:
+        text = file.read()
+    copied = "  specimen: {run: command, command: [cp, '%s', specimen.h5], makes: [specimen.h5]}\n  start:\n" % os.path.abspath(given.specimen)
+    path = os.path.join(FOLDER, "workflow.yaml")
+    with open(path, "w") as file:
+        file.write(re.sub(r"(?s)  specimen:\n.*?  start:\n", copied, text))
+    return path
+
+
 def orchestrated(name, **parameters):
     out = os.path.join(FOLDER, name)
-    words = [word for key, value in dict(scale="small", checkpoint_every=0, window="%g s" % WINDOW, end_time="%g s" % (WINDOW * WINDOWS), **CHANGED, **parameters).items()
-             for word in ("--set", "%s=%s" % (key, value))]
-    subprocess.run([BINARY, "run", WORKFLOW, *words, "--out", out], check=True, cwd=FOLDER, stdout=subprocess.DEVNULL)
+    settings = {"scale": "small", "checkpoint_every": 0, "window": "%g s" % WINDOW, "end_time": "%g s" % (WINDOW * WINDOWS), **CHANGED, **parameters}
+    words = [word for key, value in settings.items() for word in ("--set", "%s=%s" % (key, value))]
+    if not os.path.exists(os.path.join(out, "result.json")):
+        subprocess.run([BINARY, "run", workflow(), *words, "--out", out], check=True, cwd=FOLDER, stdout=subprocess.DEVNULL)
     with h5py.File(os.path.join(out, "record.h5")) as file:
         eroded = file["fields"]["eroded"][:WINDOWS, 0].astype(int).tolist()
-    with open(os.path.join(out, "provenance.json")) as file:
-        timings = json.load(file)["timings"]
-    # All windows from the first to the last: both solvers, exchange, record; not the start of the solvers.
-    return out, timings["stages"]["couple"] - timings["start"], timings["participants"]["grains"], eroded
+        timings = {name: values[:WINDOWS] for name, values in file["timings"].items()}
+    # From the begin of the first window to the end of the last: both solvers, exchange, record; not the solvers' start and end.
+    return out, timings["ended"][-1] - timings["began"][0], timings["grains"].sum(), eroded
 
 
 def script(out, *beginnings):
@@ -120,44 +145,63 @@ def script(out, *beginnings):
 
 def single(name, out, replaced):
     answer = os.path.join(FOLDER, name + ".json")
+    with open(os.path.join(out, "workflow.json")) as file:
+        cells = json.load(file)["parameters"]
     path = os.path.join(FOLDER, name + ".py")
     with open(path, "w") as file:
         file.write(SINGLE.format(folder=FOLDER, scripts=script(out, "The coarse-grid erosion test", "One coupling window of"), replaced=replaced,
-                                 start=os.path.join(out, "stages", "start", "start.h5"), half=10e-3 / 10, windows=WINDOWS, window=WINDOW,
+                                 start=os.path.join(out, "stages", "start", "start.h5"), half=cells["cell_top"]["value"] / cells["cells"]["value"] / 2, windows=WINDOWS, window=WINDOW,
                                  answer=answer))
     environment = dict(os.environ, SANDGLASS_SCRIPT=path, SANDGLASS_THREADS="1", PYTHONPATH=os.path.join(HOME, "templates", "python"),
                        OMP_NUM_THREADS="1")
     environment.pop("SANDGLASS_COMMANDS", None)
-    subprocess.run(["/usr/bin/python3", os.path.join(HOME, "templates", "yade", "resident.py")], check=True, env=environment, cwd=FOLDER,
-                   stdout=subprocess.DEVNULL)
+    if not os.path.exists(answer):
+        subprocess.run(["/usr/bin/python3", os.path.join(HOME, "templates", "yade", "resident.py")], check=True, env=environment,
+                       cwd=FOLDER, stdout=subprocess.DEVNULL)
     with open(answer) as file:
         return json.load(file)
 
 
-def main():
-    os.makedirs(FOLDER, exist_ok=True)
-    rows = []
-    out, whole, grains, eroded = orchestrated("yade", dem="yade")
-    alone = single("one-process", out, [])
+WAYS = ["plain YADE script, one process", "this YADE script, one process", "orchestrated, YADE", "orchestrated, LAMMPS, one rank",
+        "orchestrated, LAMMPS, two ranks"]
+
+
+def one_round(number):
+    """Seconds of every way, beads fallen through in each, and the share of what is not the beads' work. Ways take turns, so that a
+    machine that becomes slower does so for all."""
+    out, whole, grains, eroded = orchestrated("yade-%d" % number, dem="yade")
+    alone = single("one-process-%d" % number, out, [])
     # Heads in Python and in FreeFEM differ by rounding, which beads that jostle soon feel: the same within counting scatter.
     if abs(sum(alone["eroded"]) - sum(eroded)) > 3 * (sum(alone["eroded"]) + sum(eroded) + 1) ** 0.5:
         raise SystemExit("one process is not the same physics: %s beads fell through, orchestrated %s" % (alone["eroded"], eroded))
-    steps = alone["steps"]
-    plain = single("plain", out, PLAIN)
-    rows.append(("plain YADE script, one process", plain["seconds"], plain["eroded"]))
-    rows.append(("this YADE script, one process", alone["seconds"], alone["eroded"]))
-    rows.append(("orchestrated, YADE", whole, eroded))
+    plain = single("plain-%d" % number, out, PLAIN)
+    seconds, fallen = [plain["seconds"], alone["seconds"], whole], [plain["eroded"], alone["eroded"], eroded]
     for ranks in (1, 2):
-        _, seconds, _, fallen = orchestrated("lammps-%d" % ranks, dem="lammps", ranks=ranks)
-        rows.append(("orchestrated, LAMMPS, ranks: %d" % ranks, seconds, fallen))
-    first = rows[0][1]
+        _, took, _, fell = orchestrated("lammps-%d-%d" % (ranks, number), dem="lammps", ranks=ranks)
+        seconds.append(took)
+        fallen.append(fell)
+    return alone["steps"], seconds, fallen, (whole - grains) / whole
+
+
+def median_of(values, digits):
+    """With the range, where there is one."""
+    text = "%.*f" % (digits, statistics.median(values))
+    return text if len(values) == 1 else text + " (%.*f to %.*f)" % (digits, min(values), digits, max(values))
+
+
+def main():
+    os.makedirs(FOLDER, exist_ok=True)
+    rounds = [one_round(number) for number in range(1, given.rounds + 1)]
+    steps = rounds[0][0]
     table = [("way", "steps/s", "over plain YADE", "beads fallen through")]
-    table += [(name, "%.1f" % (steps / seconds), "%.2f" % (first / seconds), " ".join(map(str, fell))) for name, seconds, fell in rows]
-    table.append(("orchestrated over one process, YADE", "", "%.3f" % (whole / alone["seconds"]), ""))
-    table.append(("FreeFEM, exchange and record over the whole window", "", "%.4f" % ((whole - grains) / whole), ""))
-    table.append(("two ranks over one, LAMMPS", "", "%.2f" % (rows[3][1] / rows[4][1]), ""))
+    for way, name in enumerate(WAYS):
+        table.append((name, median_of([steps / seconds[way] for _, seconds, _, _ in rounds], 1),
+                      median_of([seconds[0] / seconds[way] for _, seconds, _, _ in rounds], 2), " ".join(map(str, rounds[0][2][way]))))
+    table.append(("orchestrated over one process, YADE, seconds", "", median_of([seconds[2] / seconds[1] for _, seconds, _, _ in rounds], 3), ""))
+    table.append(("FreeFEM, exchange and record over the whole window", "", median_of([share for *_, share in rounds], 4), ""))
+    table.append(("two ranks over one, LAMMPS", "", median_of([seconds[3] / seconds[4] for _, seconds, _, _ in rounds], 2), ""))
     with open(os.path.join(FOLDER, "benchmark.csv"), "w", newline="") as file:
-        csv.writer(file).writerows(table)
+        csv.writer(file, lineterminator="\n").writerows(table)
     for row in table:
         print("| " + " | ".join(row) + " |")
 

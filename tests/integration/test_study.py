@@ -10,7 +10,7 @@ import socket
 import subprocess
 import unittest
 
-from case import DONE, MISMATCH, SPHERE, UNSTABLE, Case, Loads, read, sets, wait_until, write
+from case import DONE, MISMATCH, REFUSED, SPHERE, UNSTABLE, Case, Loads, read, sets, wait_until, write
 
 TAU = 2650 * 1e-4**2 / (18 * 1e-3)  # s
 STUDY = """\
@@ -56,6 +56,15 @@ class SmallStudy(Case):
         self.assertEqual(Loads(page).outside, [])
         self.assertIn("Points of the study", page)
         self.assertIn("Cheapest setting for an error", page)
+
+    def test_check_looks_at_the_points_too(self):
+        well = self.sandglass("check", self.place.write("well.yaml", STUDY))
+        self.assert_code(well, DONE)
+        self.assertIn("all 5 points are well", well.out)
+        bad = self.sandglass("check", self.place.write("bad.yaml", STUDY.replace("[0.5 ms, 1 ms]", "[0.5 ms, 1 mm]")))
+        self.assert_code(bad, REFUSED)
+        self.assertIn("bad.yaml:7:32", bad.err)
+        self.assertEqual(bad.out, "")
 
     def test_a_point_is_an_ordinary_run(self):
         run = self.sandglass("run", SPHERE, *sets(end_time="20 ms", window="0.5 ms"), out="alone")
