@@ -46,9 +46,10 @@ for (set_name, label), members in settings.items():
                  statistics.mean(halves) if None not in halves else None))
 
 # The scatter of a difference from one pair of seeds to the next, from all settings together: two or three pairs of one setting
-# say little about it.
-freedom = sum(count for count, _ in scatters)
-pair_scatter = math.sqrt(sum(count * variance for count, variance in scatters) / freedom) if freedom else math.nan
+# say little about it. The median of their variances, each over what the median of such variances is where the true one is 1 (chi
+# squared over its degrees of freedom, by Wilson and Hilferty), because a setting that makes other packings scatters far more.
+medians = [variance / (1 - 2 / (9 * count)) ** 3 for count, variance in scatters]
+pair_scatter = math.sqrt(statistics.median(medians)) if medians else math.nan
 
 
 def over_scatter(row):
@@ -83,12 +84,12 @@ sandglass.table('settings', 'Settings', ['set', 'setting', 'seeds', 'eroded in g
                                            'over the common one', {{#timed}}'seconds', {{/timed}}'half time in s'],
                 [[row[0], row[1] or 'as it is', row[2], '%.5f' % (row[3] / 10), '%+.3f' % row[4], '-' if math.isnan(row[5]) else '%.3f' % row[5],
                   over_scatter(row), {{#timed}}'%.1f' % row[6], {{/timed}}'-' if row[7] is None else '%.2f' % row[7]] for row in rows],
-                caption='The common standard error comes from the scatter of all settings\' pairs of seeds together.')
+                caption='The common standard error comes from the median scatter of all settings\' pairs of seeds.')
 sandglass.quantity('beads_unaccounted_max', max(point.quantities['beads_unaccounted'] for point in points), '1', 'of all points')
 first = references[min(references)]
 whole, scatter = mean_and_error([mass(point) for point in first.values()])
 sandglass.quantity('eroded_mass_per_area_reference', whole, 'kg/m2', 'mean over the seeds of the reference')
 sandglass.quantity('seed_scatter', None if math.isnan(scatter) else scatter * math.sqrt(len(first)) / whole, '1', 'standard deviation over seeds, over the mean')
 sandglass.quantity('pair_scatter', None if math.isnan(pair_scatter) else pair_scatter, '1',
-                   'standard deviation of the relative difference of a setting from one seed to the next, from all settings')
+                   'standard deviation of the relative difference of a setting from one seed to the next, median of all settings')
 sandglass.finish()
