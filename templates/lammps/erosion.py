@@ -18,7 +18,7 @@ skin, catch_depth, catch_steps = {{skin}}, {{catch_depth}}, 200              # m
 
 with h5py.File({{specimen}}, 'r', locking=False) as file:
     radii = file['radius'][...]
-    looser = file.attrs['porosity_fine'] if file.attrs['met_coarse'] else None
+    looser = file.attrs['porosity_fine'] if file.attrs.get('met_coarse') else None
     start = [file[name][...] for name in ('position', 'velocity', 'spin')]
 is_fine = radii < fine_diameter
 if is_fine[: numpy.count_nonzero(~is_fine)].any():

@@ -15,7 +15,7 @@ forget_fallen, plane_sides, needed_functors = {{fallen_beads}}, {{side_facets}},
 
 with h5py.File({{specimen}}, 'r', locking=False) as file:
     radii = file['radius'][...]
-    looser = file.attrs['porosity_fine'] if file.attrs['met_coarse'] else None
+    looser = file.attrs['porosity_fine'] if file.attrs.get('met_coarse') else None
     numbers = [add_bead(*bead) for bead in zip(file['position'][...], radii, file['velocity'][...], file['spin'][...])]
 fine_ids = [number for number, radius in zip(numbers, radii) if radius < fine_diameter]
 fallen_at = []

@@ -63,7 +63,7 @@ class SmallStudy(Case):
         self.assertIn("all 5 points are well", well.out)
         bad = self.sandglass("check", self.place.write("bad.yaml", STUDY.replace("[0.5 ms, 1 ms]", "[0.5 ms, 1 mm]")))
         self.assert_code(bad, REFUSED)
-        self.assertIn("bad.yaml:7:32", bad.err)
+        self.assertIn("bad.yaml:8:31", bad.err)
         self.assertEqual(bad.out, "")
 
     def test_a_point_is_an_ordinary_run(self):
