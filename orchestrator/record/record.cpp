@@ -238,7 +238,7 @@ void copy_windows(const std::string& from_path, const std::string& to_path, std:
   };
   const auto each = [&](const std::string& group, const auto& copy) {
     if (!from.exists(group)) return;
-    for (const std::string& name : from.list(group)) copy(group + "/" + name);
+    for (const std::string& name : from.list(group)) copy(fmt::format("{}/{}", group, name));
   };
   copy_numbers("/time");
   copy_counts("/iterations");
