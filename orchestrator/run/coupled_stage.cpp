@@ -292,11 +292,11 @@ class CoupledRun {
     memory_ = std::move(state.arrays);
     if (span_.keeps_record) {
       outcome_ = outcome_of_record(coupling_, directory_.file("record.h5"), span_.behind);
+    } else {
+      outcome_.windows = outcome_.windows_taken = span_.behind;
+      outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
     }
-    outcome_.elapsed_before = state.elapsed;
-    outcome_.windows = span_.behind;
-    outcome_.windows_taken = span_.behind;
-    outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
+    outcome_.elapsed_before = state.elapsed;  // with what lies between windows
   }
 
   [[nodiscard]] bool has(const Participant& participant, const char* ability) const {

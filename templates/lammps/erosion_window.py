@@ -30,6 +30,4 @@ sandglass.send('fines_inside', numpy.count_nonzero(inside & is_fine))
 sandglass.send('fines_aside', numpy.count_nonzero(~inside))
 if sandglass.wants('position'):
     sandglass.send('position', beads('x'))
-if looser is not None and sandglass.window.index == 1:
-    sandglass.note('the layer of fine beads is looser than asked for, porosity %.3g: in the preparation the wall met a coarse '
-                   'bead that lies on top of the others' % looser)
+say_if_looser()

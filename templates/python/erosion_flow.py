@@ -1,5 +1,6 @@
 # Building block: what the flow does to the beads of the erosion test, whichever engine moves them. It needs, as names:
-# density, section, radii (of all beads, m), fine_diameter.
+# density, section, radii (of all beads, m), fine_diameter, looser (porosity of a fine layer that is looser than asked for, or
+# None).
 borders = numpy.linspace(0, {{cell_top}}, {{cells}} + 1)  # m
 column = Column(borders, section**2, density, cut={{cell_borders}} == 'cut')
 is_fine = radii < fine_diameter
@@ -8,6 +9,12 @@ volumes = 4 / 3 * numpy.pi * radii**3  # m3
 with h5py.File({{start}}, 'r', locking=False) as file:
     initial_porosity = file['porosity'][...].mean()
 {{/drag.constant}}
+
+
+def say_if_looser():
+    if looser is not None and sandglass.window.index == 1:
+        sandglass.note('the layer of fine beads is looser than asked for, porosity %.3g: in the preparation the wall met a coarse '
+                       'bead that lies on top of the others' % looser)
 
 
 def drag_of(z, pressure_difference, fine_gradient):
