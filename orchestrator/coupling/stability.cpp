@@ -11,13 +11,12 @@
 namespace sandglass::coupling {
 namespace {
 
-constexpr int kBlock = 6;                 // windows
-constexpr std::size_t kComparisons = 5;   // growing blocks in a row
-constexpr double kObvious = 1e3;          // growth that needs no more proof
-constexpr double kExplosion = 20;         // twice in a row, with alternating sign: no physics does
-constexpr double kRounding = 1e-10;       // of the field's size
-constexpr double kExponential = 0.85;     // growth of the second half over that of the first
-constexpr double kMonotoneMargin = 0.02;  // more than an oscillation must grow, per window
+constexpr int kBlock = 6;                // windows
+constexpr std::size_t kComparisons = 5;  // growing blocks in a row
+constexpr double kObvious = 1e3;         // growth that needs no more proof
+constexpr double kExplosion = 20;        // twice in a row, with alternating sign: no physics does
+constexpr double kRounding = 1e-10;      // of the field's size
+constexpr double kExponential = 0.85;    // growth of the second half over that of the first
 constexpr std::size_t kMostValues = 1024;
 
 /// Large arrays are looked at in places evenly spread over them: a divergence spares none.
@@ -164,7 +163,7 @@ std::optional<Finding> StabilityWatch::exponential_growth() const {
   const double first_half = std::log(middle / begin);
   const double second_half = std::log(end / middle);
   const double per_window = std::exp((first_half + second_half) / (4.0 * kBlock));
-  if (per_window < limits_.growth + kMonotoneMargin) return std::nullopt;
+  if (per_window < limits_.monotone_growth) return std::nullopt;
   if (second_half < kExponential * first_half) return std::nullopt;
   return Finding{per_window, false};
 }

@@ -326,6 +326,8 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
   const Section limits(*stability, object("stability"), context.scope);
   if (limits.find("watch")) coupling.stability.active = limits.toggle("watch");
   coupling.stability.growth = limits.number("growth", coupling.stability.growth);
+  coupling.stability.monotone_growth =
+      limits.number("monotone_growth", coupling.stability.monotone_growth);
 }
 
 /// Which fields hold the energy that the coupling must not make.

@@ -113,6 +113,7 @@ Json to_json(const Coupling& coupling) {
           {"stability",
            {{"watch", coupling.stability.active},
             {"growth", coupling.stability.growth},
+            {"monotone_growth", coupling.stability.monotone_growth},
             {"energy", coupling.energy.fields},
             {"energy_growth", coupling.energy.growth}}},
           {"checkpoint_every", coupling.checkpoint_every},

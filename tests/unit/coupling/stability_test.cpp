@@ -11,8 +11,9 @@ namespace sandglass::coupling {
 namespace {
 
 /// The window in which the watch speaks, or 0 when it is silent for so many windows.
-int window_of_verdict(const std::function<double(int)>& x, int windows) {
-  StabilityWatch watch{StabilityLimits{}};
+int window_of_verdict(const std::function<double(int)>& x, int windows,
+                      const StabilityLimits& limits = {}) {
+  StabilityWatch watch{limits};
   for (int n = 1; n <= windows; ++n) {
     const double value = x(n);
     if (watch.observe({&value, 1})) return n;
@@ -122,6 +123,13 @@ TEST(StabilityWatch, WarnsOfADecayingOscillation) {
   ASSERT_TRUE(oscillating.oscillation());
   EXPECT_NEAR(oscillating.oscillation()->growth, 0.7, 0.01);
   EXPECT_FALSE(monotone.oscillation());
+}
+
+TEST(StabilityWatch, HasALimitOfItsOwnForGrowthWithoutAChangeOfSign) {
+  const StabilityLimits patient{.monotone_growth = 1.2};
+  EXPECT_EQ(window_of_verdict(mode(1.15), 200, patient), 0);
+  EXPECT_GT(window_of_verdict(mode(1.25), 40, patient), 0);
+  EXPECT_GT(window_of_verdict(mode(-1.05), 40, patient), 0);
 }
 
 TEST(StabilityWatch, CanBeSwitchedOff) {
