@@ -30,6 +30,10 @@ void show_coupling(const workflow::Workflow& workflow) {
   const workflow::Coupling& coupling = *workflow.coupling;
   fmt::print("\nCoupling: {}, {} windows of {}, order {}\n", workflow::name_of(coupling.scheme),
              coupling.windows, time_text(coupling.window), fmt::join(coupling.order, ", "));
+  if (coupling.rest.windows > 0) {
+    fmt::print("  fewer windows when '{}' is at most {} in {} of them, one after the other\n",
+               coupling.rest.field, coupling.rest.at_most, coupling.rest.windows);
+  }
   for (const workflow::Participant& one : workflow.participants) {
     fmt::print("  {:12} {}, {}, {} thread{}, {}\n", one.name, run::solver_name(one.solver),
                one.lifetime == workflow::Lifetime::fresh ? "fresh in every window" : "resident",

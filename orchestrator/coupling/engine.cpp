@@ -108,7 +108,8 @@ Engine::Engine(const Plan& plan, const std::vector<Partner*>& partners, const Cl
       clock_(clock),
       questions_(partners.size()),
       quasi_newton_(plan.relaxation, plan.reused_windows, plan.filter),
-      energy_watch_(plan.energy.growth) {
+      energy_watch_(plan.energy.growth),
+      rest_watch_(plan.rest) {
   for (const Field& field : plan.fields) {
     State& state = states_.emplace_back(State{
         {}, {}, {}, {}, {plan.acceleration, plan.relaxation}, StabilityWatch(plan.stability)});
@@ -216,6 +217,7 @@ std::pair<std::size_t, double> Engine::worst_residual() const {
 
 void Engine::watch(std::int64_t window) {
   for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (plan_.fields[f].name == plan_.rest.field) rest_watch_.observe(states_[f].sent);
     const auto found = states_[f].watch.observe(states_[f].sent);
     if (!found) continue;
     throw Error::unstable(
@@ -403,6 +405,7 @@ void Engine::relax_together() {
 void Engine::remember(Memory& memory) {
   quasi_newton_.remember(memory, "quasi_newton");
   energy_watch_.remember(memory, "energy");
+  rest_watch_.remember(memory, "rest");
   for (std::size_t f = 0; f < states_.size(); ++f) {
     State& state = states_[f];
     const std::string& name = plan_.fields[f].name;

@@ -11,6 +11,7 @@
 #include "coupling/memory.hpp"
 #include "coupling/quasi_newton.hpp"
 #include "coupling/relaxation.hpp"
+#include "coupling/rest.hpp"
 #include "coupling/scheme.hpp"
 #include "coupling/stability.hpp"
 
@@ -84,6 +85,7 @@ struct Plan {
   double filter = 1e-2;              ///< of iqn_ils: what a column must add, over its length
   StabilityLimits stability;
   EnergyLimits energy;
+  RestLimits rest;
   /// By partner: it answers the same values the same way, always, and is not asked again. May be
   /// shorter than the partners: the others are asked.
   std::vector<bool> asked_once;
@@ -132,6 +134,8 @@ class Engine {
   /// not finite, a field that diverges, energy that the coupling makes, or an iteration that does
   /// not converge, each naming participant, field and window, and passes on what partners throw.
   Done window(std::int64_t index);
+  /// Whether the field of the plan's `rest` has been small for long enough: the run may end.
+  [[nodiscard]] bool at_rest() const { return rest_watch_.at_rest(); }
   /// What oscillated so far without diverging.
   [[nodiscard]] std::vector<Oscillation> oscillations() const;
   /// What was not asked of a partner because it had just been asked the same.
@@ -170,6 +174,7 @@ class Engine {
   QuasiNewton quasi_newton_;
   EnergyWatch energy_watch_;
   std::vector<std::size_t> energies_;  ///< fields whose values are added up
+  RestWatch rest_watch_;
 };
 
 }  // namespace sandglass::coupling

@@ -1,6 +1,7 @@
 #include "run/coupled_stage.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
+#include "base/unit.hpp"
 #include "coupling/engine.hpp"
 #include "exchange/transform.hpp"
 #include "hdf5/hdf5.hpp"
@@ -192,6 +194,7 @@ coupling::Plan plan_of(const workflow::Coupling& coupling) {
   plan.most_iterations = coupling.iterations;
   plan.stability = coupling.stability;
   plan.energy = coupling.energy;
+  plan.rest = coupling.rest;
   plan.window = coupling.window;
   plan.windows = coupling.windows;
   const auto number = [&](const std::string& name) {
@@ -429,18 +432,53 @@ class CoupledRun {
       if (due && index < coupling_.windows) checkpoint(engine, index);
       outcome_.loop_seconds = clock_.now() - start;
       progress(done.window, done.end);
+      if (index < until_ && span_.until == 0 && engine.at_rest()) {
+        outcome_.notes.push_back(note_of_rest(done.end));
+        break;
+      }
     }
     for (const workflow::LeftOut& one : workflow_.left_out) {
       if (!one.unchanged_inputs || !one.active) continue;
       outcome_.savings.push_back({one.name, engine.spared(number_of(one.of)).seconds});
     }
-    for (const coupling::Oscillation& one : engine.oscillations()) {
-      outcome_.notes.push_back(
-          fmt::format("coupling: field '{}' oscillates from window to window: its change {}; a "
-                      "shorter window or "
-                      "under-relaxation removes this",
-                      one.field, one.finding.text()));
-    }
+    note_oscillations(engine.oscillations());
+  }
+
+  /// One note for all, with the one that lasts longest. What nobody receives oscillates only
+  /// because something else does, or by itself.
+  void note_oscillations(std::vector<coupling::Oscillation> all) {
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const coupling::Oscillation& one) {
+                               return std::any_of(coupling_.fields.begin(), coupling_.fields.end(),
+                                                  [&](const workflow::Field& field) {
+                                                    return field.name == one.field &&
+                                                           field.to.empty();
+                                                  });
+                             }),
+              all.end());
+    if (all.empty()) return;
+    const auto& worst =
+        *std::max_element(all.begin(), all.end(), [](const auto& one, const auto& other) {
+          return one.finding.growth < other.finding.growth;
+        });
+    std::vector<std::string> names;
+    for (const coupling::Oscillation& one : all) names.push_back(one.field);
+    outcome_.notes.push_back(fmt::format(
+        "coupling: {} '{}' oscillate{} from window to window: {} change {}; a shorter window or "
+        "under-relaxation removes this, unless it is a solver's own noise",
+        names.size() > 1 ? "fields" : "field", fmt::join(names, "', '"),
+        names.size() > 1 ? "" : "s",
+        names.size() > 1 ? fmt::format("that of '{}' lasts longest, its", worst.field) : "its",
+        worst.finding.text()));
+  }
+
+  [[nodiscard]] std::string note_of_rest(double end) const {
+    const coupling::RestLimits& rest = coupling_.rest;
+    return fmt::format(
+        "coupling: field '{}' {} in {} windows one after the other: nothing is left to compute, "
+        "the run ended at {} s of {} s",
+        rest.field, rest.at_most > 0 ? fmt::format("was at most {}", rest.at_most) : "was 0",
+        rest.windows, shortest(end), shortest(coupling_.end));
   }
 
   [[nodiscard]] std::string render_for(WindowScript& script, std::int64_t index) const {

@@ -267,6 +267,13 @@ std::set<std::string> used_by_mappings(const Node& fields) {
   return names;
 }
 
+/// The field that tells when nothing happens any more, or nothing.
+std::string field_of_rest(const Section& section) {
+  const Node* rest = section.find("rest");
+  const Node* field = rest && rest->kind == Node::Kind::map ? rest->find("field") : nullptr;
+  return field ? field->text : "";
+}
+
 void read_fields(const Context& context, const Section& section, const Order& order,
                  Coupling& coupling) {
   const Node* map = section.find("fields");
@@ -274,7 +281,8 @@ void read_fields(const Context& context, const Section& section, const Order& or
   std::vector<std::string> names;
   for (const Node::Key& key : map->keys) names.push_back(key.text);
   const Recorded recorded = read_record(context, names);
-  const std::set<std::string> used = used_by_mappings(*map);
+  std::set<std::string> used = used_by_mappings(*map);
+  used.insert(field_of_rest(section));
   for (size_t i = 0; i < map->keys.size(); ++i) {
     if (map->items[i].kind != Node::Kind::map) continue;
     const Declared declared{names[i], context.scope.at(map->keys[i]), &map->items[i]};
@@ -328,6 +336,21 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
   coupling.stability.growth = limits.number("growth", coupling.stability.growth);
   coupling.stability.monotone_growth =
       limits.number("monotone_growth", coupling.stability.monotone_growth);
+}
+
+void read_rest(const Context& context, const Section& section, Coupling& coupling) {
+  const std::string field = field_of_rest(section);
+  if (field.empty() || coupling.window <= 0) return;
+  const Section limits(*section.find("rest"), object("rest"), context.scope);
+  std::vector<std::string> names;
+  for (const Field& one : coupling.fields) names.push_back(one.name);
+  if (!contains(names, field)) {
+    context.problems.unknown(limits.place("field"), "there is no field", field, names);
+    return;
+  }
+  const double windows = std::ceil(limits.number("for", 0) / coupling.window * (1 - 1e-9));
+  coupling.rest = {field, limits.number("at_most", 0),
+                   static_cast<std::int64_t>(std::min(windows, 1e9))};
 }
 
 /// Which fields hold the energy that the coupling must not make.
@@ -401,6 +424,7 @@ void read_coupling(const Context& context, Workflow& workflow) {
   read_checkpoints(context, coupling);
   mark_relaxed(context, section, order, coupling);
   read_energy(context, section, coupling);
+  read_rest(context, section, coupling);
   workflow.coupling = std::move(coupling);
 }
 

@@ -474,6 +474,11 @@ Object coupling_keys() {
         .object = "stability",
         .doc = "When the stability watch ends the run.",
         .example = "{growth: 1.02}"},
+       {.name = "rest",
+        .kind = Kind::object,
+        .object = "rest",
+        .doc = "When the run ends before `end`, well, because nothing happens any more.",
+        .example = "{field: eroded, for: 3 s}"},
        {.name = "window",
         .kind = Kind::number,
         .required = true,
@@ -553,6 +558,32 @@ Object stability_keys() {
             .fallback = "2",
             .doc = "How many times its first value this energy may become.",
             .example = "1.1"}}};
+}
+
+Object rest_keys() {
+  return {"rest",
+          "When nothing is left to compute. The record ends there, and the report says so.",
+          {{.name = "field",
+            .kind = Kind::name,
+            .required = true,
+            .doc = "The field that tells.",
+            .example = "eroded"},
+           {.name = "at_most",
+            .kind = Kind::number,
+            .reference = true,
+            .unit = "1",
+            .minimum = 0,
+            .fallback = "0",
+            .doc = "The largest size, in SI, of any of its values.",
+            .example = "0"},
+           {.name = "for",
+            .kind = Kind::number,
+            .required = true,
+            .reference = true,
+            .unit = "s",
+            .above = 0,
+            .doc = "For how long, in whole windows.",
+            .example = "3 s"}}};
 }
 
 Object field_keys() {
@@ -815,10 +846,10 @@ std::vector<std::string> Object::key_names() const {
 
 const std::vector<Object>& objects() {
   static const std::vector<Object> all = {
-      workflow_keys(), parameter_keys(),  stage_keys(),         participant_keys(),
-      coupling_keys(), stability_keys(),  field_keys(),         mapping_keys(),
-      record_keys(),   comparison_keys(), reference_keys(),     left_out_keys(),
-      study_keys(),    points_keys(),     work_precision_keys()};
+      workflow_keys(), parameter_keys(), stage_keys(),      participant_keys(),
+      coupling_keys(), stability_keys(), rest_keys(),       field_keys(),
+      mapping_keys(),  record_keys(),    comparison_keys(), reference_keys(),
+      left_out_keys(), study_keys(),     points_keys(),     work_precision_keys()};
   return all;
 }
 

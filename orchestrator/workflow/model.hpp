@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "coupling/relaxation.hpp"
+#include "coupling/rest.hpp"
 #include "coupling/scheme.hpp"
 #include "coupling/stability.hpp"
 #include "exchange/mapping.hpp"
@@ -110,6 +111,7 @@ struct Field {
 
 using coupling::Acceleration;
 using coupling::EnergyLimits;
+using coupling::RestLimits;
 using coupling::Scheme;
 using coupling::StabilityLimits;
 enum class Transport { mapped, file };
@@ -129,6 +131,7 @@ struct Coupling {
   std::int64_t iterations = 100;     ///< that one may take
   StabilityLimits stability;
   EnergyLimits energy;
+  RestLimits rest;
   std::vector<Field> fields;
   std::int64_t checkpoint_every = 0;         ///< windows; 0: never
   std::int64_t checkpoints_kept = 0;         ///< the newest ones; 0: all

@@ -164,6 +164,19 @@ class GoingOn(ResumeCase):
         ended = self.resume_until_done(started.directory)
         self.assert_same_bytes(ended, unbroken)
 
+    def test_it_ends_early_at_the_same_window(self):
+        text = slow_pair().replace("  window: 1 ms\n", "  window: 1 ms\n  rest: {field: force, at_most: 1e9, for: 31 ms}\n")
+        unbroken = self.sandglass("run", self.place.write("rest.yaml", text), out="rest")
+        self.assert_code(unbroken, DONE)
+        self.assertEqual(unbroken.result["windows"], 31)
+        self.assert_record(unbroken.record, 31, answered=False)
+        self.assertIn("field 'force' was at most 1000000000 in 31 windows one after the other: nothing is left to compute, the run "
+                      "ended at 0.031 s of 0.04 s", " ".join(note["text"] for note in unbroken.result["notes"]))
+        started = self.interrupted("rest-cut", text, windows=10)
+        ended = self.resume_until_done(started.directory)
+        self.assertEqual(ended.result["windows"], 31)
+        self.assert_same_bytes(ended, unbroken)
+
     def test_fresh_participants(self):
         text = slow_pair(process="fresh")
         unbroken = self.sandglass("run", self.place.write("fresh.yaml", text), out="fresh")

@@ -574,6 +574,36 @@ TEST(AskedOnce, ARelaxedFieldGoesOnTowardsTheSameAnswer) {
   EXPECT_EQ(engine.spared(0).windows, 3);
 }
 
+// ---- rest
+
+TEST(Rest, ComesWhenTheFieldHasBeenSmallForSoManyWindowsInARow) {
+  Plan plan = plan_of(Scheme::serial_explicit, 0.1, 8, {field("passed", 0, kNobody, {2})});
+  plan.rest = {"passed", 0.5, 3};
+  const std::vector<double> passed{0, -0.5, 0.6, 0.5, -0.7, 0, 0, 0.1};
+  FakePartner grains("grains", [&](FakePartner& self) {
+    self.send(0, {0, passed.at(static_cast<std::size_t>(self.window - 1))});
+  });
+  const std::vector<Partner*> partners{&grains};
+  const FakeClock clock;
+  Engine engine(plan, partners, clock);
+  std::vector<bool> at_rest;
+  for (std::int64_t index = 1; index <= plan.windows; ++index) {
+    engine.window(index);
+    at_rest.push_back(engine.at_rest());
+  }
+  EXPECT_EQ(at_rest, (std::vector<bool>{false, false, false, false, false, false, false, true}));
+}
+
+TEST(Rest, IsNotLookedForUnlessAsked) {
+  const Plan plan = plan_of(Scheme::serial_explicit, 0.1, 3, {field("passed", 0, kNobody)});
+  FakePartner grains("grains", [](FakePartner& self) { self.send(0, {0}); });
+  const std::vector<Partner*> partners{&grains};
+  const FakeClock clock;
+  Engine engine(plan, partners, clock);
+  for (std::int64_t index = 1; index <= plan.windows; ++index) engine.window(index);
+  EXPECT_FALSE(engine.at_rest());
+}
+
 // ---- memory
 
 /// A sphere's velocity under a drag that another one computes: partners with a state of their own.
@@ -592,6 +622,7 @@ class Memorized : public testing::TestWithParam<std::pair<Scheme, Acceleration>>
     const auto [scheme, acceleration] = GetParam();
     Plan plan = plan_of(scheme, 0.1, kWindows, {field("velocity", 1, 0), field("drag", 0, 1)});
     plan.stability.active = true;
+    plan.rest = {"velocity", 1e6, kWindows};
     plan.acceleration = acceleration;
     plan.relaxation = 0.6;
     plan.fields[0].relaxed = acceleration != Acceleration::none;

@@ -142,6 +142,27 @@ TEST_F(Model, AFieldThatNobodyNeedsIsLeftOut) {
   EXPECT_THAT(error.what(), HasSubstr("did you mean 'depth'?"));
 }
 
+TEST_F(Model, RestIsAFieldThatIsSentAlthoughNobodyNeedsItAndWholeWindows) {
+  const std::string text =
+      coupled + "    depth: {unit: m, shape: [1], from: grains}\nrecord: {fields: [drag]}\n";
+  const auto with = [&](const std::string& rest) {
+    return changed(text, "coupling:\n", "coupling:\n  rest: " + rest + "\n");
+  };
+  const Workflow workflow = project.load(with("{field: depth, at_most: 1e-9, for: 2.5 ms}"),
+                                         {{"window", "1 ms"}, {"end_time", "1 s"}});
+  EXPECT_EQ(workflow.coupling->rest.field, "depth");
+  EXPECT_EQ(workflow.coupling->rest.at_most, 1e-9);
+  EXPECT_EQ(workflow.coupling->rest.windows, 3);
+  EXPECT_THAT(workflow.coupling->fields_left_out, IsEmpty());
+  EXPECT_EQ(project.load(with("{field: depth, for: 0.3 s}"), {{"window", "0.1 s"}})
+                .coupling->rest.windows,
+            3);
+  EXPECT_EQ(project.load(text).coupling->rest.windows, 0);
+  EXPECT_THAT(project.problems(with("{field: dept, for: 1 s}")),
+              ElementsAre(HasSubstr("there is no field 'dept'")));
+  EXPECT_THAT(project.problems(with("{field: depth}")), ElementsAre(HasSubstr("a rest needs 'for'")));
+}
+
 TEST_F(Model, AParticipantThatDoesNotApplyTakesItsFieldsAlong) {
   const std::string text =
       changed(coupled, "    solver: freefem\n", "    solver: freefem\n    when: {fluid: meshed}\n");
