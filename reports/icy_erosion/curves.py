@@ -2,7 +2,8 @@
 """The full-size curves side by side, from the runs that are kept beside this file: /usr/bin/python3 reports/icy_erosion/curves.py
 
 Draws curves.png and curves.svg (eroded mass beside what ICY printed and what was measured; the drag of every cell over the
-buoyant weight of the beads in it) and writes curves.csv, a table of the same masses every 2.5 s.
+buoyant weight of the beads in it) and writes curves.csv, a table of the same masses every 2.5 s. Where a run ended because nothing
+fell through any more, its line goes on dotted.
 """
 
 import csv
@@ -14,7 +15,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-RUNS = {"coupled": "five cells", "none": "no flow", "constant": "constant drag", "two_cells": "two cells"}
+CASES = {"coupled": "five cells", "none": "no flow", "constant": "constant drag", "two_cells": "two cells"}
+SEEDS = {"": "seed 1", "_2": "seed 2", "_3": "seed 3"}
+STYLES = ["-", "--", "-."]  # by seed
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"]
 GRAM_PER_CM2 = 10.0  # kg/m2
 
@@ -26,14 +29,19 @@ def curve(run, name):
     return numpy.array(rows, dtype=float).T
 
 
-def parameters(run):
-    with open(os.path.join(HERE, run, "workflow.json"), encoding="utf-8") as file:
-        return {name: one["value"] for name, one in json.load(file)["parameters"].items()}
+def read(run, name):
+    with open(os.path.join(HERE, run, name), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def stopped(run):
+    """Whether it ended before its last window because nothing fell through any more."""
+    return read(run, "result.json")["status"] == "done" and read(run, "result.json")["windows"] < read(run, "workflow.json")["coupling"]["windows"]
 
 
 def strength(run):
     """Times, and for every cell its drag over the buoyant weight of its beads, both at the begin of a window."""
-    given = parameters(run)
+    given = {name: one["value"] for name, one in read(run, "workflow.json")["parameters"].items()}
     thickness = given["cell_top"] / given["cells"]  # m
     for cell in range(1, given["cells"] + 1):
         time, share = curve(run, "head_share_%d" % cell)
@@ -45,18 +53,26 @@ def strength(run):
 
 
 def main():
-    runs = [run for run in RUNS if os.path.exists(os.path.join(HERE, run, "result.json"))]
+    runs = {case + seed: "%s, %s" % (CASES[case], SEEDS[seed]) for case in CASES for seed in SEEDS
+            if os.path.exists(os.path.join(HERE, case + seed, "result.json"))}
     figure = Figure(figsize=(11, 4.4), dpi=125, layout="constrained")
     mass, drag = figure.subplots(1, 2)
     masses = {}
-    for run, colour in zip(runs, COLOURS):
+    for run, label in runs.items():
+        case, _, seed = run.partition("_") if run not in CASES else (run, "", "")
+        look = dict(color=COLOURS[list(CASES).index(case)], linestyle=STYLES[list(SEEDS).index("_" + seed if seed else "")])
         masses[run] = curve(run, "eroded_mass_per_area")
-        mass.plot(masses[run][0], masses[run][1] / GRAM_PER_CM2, color=colour, linewidth=2, label=RUNS[run])
+        time, value = masses[run][0], masses[run][1] / GRAM_PER_CM2
+        mass.plot(time, value, linewidth=2, label=label, **look)
+        if stopped(run):
+            mass.plot([time[-1], 48], [value[-1]] * 2, linewidth=1, **look | {"linestyle": ":"})
+            mass.plot(time[-1], value[-1], "|", color=look["color"], markersize=9, markeredgewidth=2)
+    first = next(iter(runs))
     for name, marker, label in (("icy_five_cells", "o", "ICY, five cells (printed end)"), ("icy_two_cells", "s", "ICY, two cells (printed end)"),
                                 ("icy_constant_drag", "D", "ICY, constant drag (printed stop)")):
-        time, value = curve(runs[0], name)
+        time, value = curve(first, name)
         mass.plot(time, value / GRAM_PER_CM2, marker, color="#3b4650", fillstyle="none", label=label)
-    time, value = curve(runs[0], "experiment_settlement")
+    time, value = curve(first, "experiment_settlement")
     near = time <= 62
     mass.plot(time[near], value[near] / GRAM_PER_CM2, ".", color="#8a96a3", label="test 971121, by settlement")
     mass.set(xlabel="time (s)", ylabel="eroded mass per area (g/cm²)", xlim=(0, 60), ylim=(0, None))
@@ -64,7 +80,7 @@ def main():
         for cell, ((time, ratio), colour) in enumerate(zip(strength("coupled"), COLOURS), 1):
             drag.plot(time, ratio, color=colour, linewidth=2, label="cell %d" % cell)
         drag.axhline(1, color="#8a96a3", linewidth=1, linestyle=":")
-        drag.set(xlabel="time (s)", ylabel="drag over buoyant weight, five cells", ylim=(0, None), xlim=(0, None))
+        drag.set(xlabel="time (s)", ylabel="drag over buoyant weight, five cells, seed 1", ylim=(0, None), xlim=(0, None))
     for axes in (mass, drag):
         axes.grid(color="#e6eaee")
         axes.set_axisbelow(True)
@@ -76,9 +92,10 @@ def main():
     last = max(values[0][-1] for values in masses.values())
     with open(os.path.join(HERE, "curves.csv"), "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["time (s)"] + ["%s (g/cm2)" % RUNS[run] for run in runs])
+        table.writerow(["time (s)"] + ["%s (g/cm2)" % label for label in runs.values()])
         for when in numpy.arange(2.5, last + 1e-9, 2.5):
-            row = ["%.4f" % (numpy.interp(when, *masses[run]) / GRAM_PER_CM2) if when <= masses[run][0][-1] + 1e-9 else "" for run in runs]
+            row = ["%.4f" % (numpy.interp(when, *masses[run]) / GRAM_PER_CM2) if when <= masses[run][0][-1] + 1e-9 or stopped(run) else ""
+                   for run in runs]
             table.writerow(["%g" % when] + row)
 
 
