@@ -16,6 +16,13 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+std::vector<std::string> names_of(const std::vector<Field>& fields) {
+  std::vector<std::string> names;
+  names.reserve(fields.size());
+  for (const Field& field : fields) names.push_back(field.name);
+  return names;
+}
+
 /// The participants as written, and those of them that take part.
 struct Order {
   std::vector<std::string> declared;  ///< all participants of the workflow
@@ -163,9 +170,7 @@ void check_mapping_field(const Context& context, const Section& section, const c
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [&](const Field& one) { return one.name == name; });
   if (found == fields.end()) {
-    std::vector<std::string> names;
-    for (const Field& one : fields) names.push_back(one.name);
-    context.problems.unknown(section.place(key), "there is no field", name, names);
+    context.problems.unknown(section.place(key), "there is no field", name, names_of(fields));
     return;
   }
   const bool rows = found->shape.size() == 2 && (found->shape[1] == 2 || found->shape[1] == 3);
@@ -342,8 +347,7 @@ void read_rest(const Context& context, const Section& section, Coupling& couplin
   const std::string field = field_of_rest(section);
   if (field.empty() || coupling.window <= 0) return;
   const Section limits(*section.find("rest"), object("rest"), context.scope);
-  std::vector<std::string> names;
-  for (const Field& one : coupling.fields) names.push_back(one.name);
+  const std::vector<std::string> names = names_of(coupling.fields);
   if (!contains(names, field)) {
     context.problems.unknown(limits.place("field"), "there is no field", field, names);
     return;
@@ -360,8 +364,7 @@ void read_energy(const Context& context, const Section& section, Coupling& coupl
   const Section limits(*stability, object("stability"), context.scope);
   coupling.energy.growth = limits.number("energy_growth", coupling.energy.growth);
   coupling.energy.fields = limits.texts("energy");
-  std::vector<std::string> names;
-  for (const Field& field : coupling.fields) names.push_back(field.name);
+  const std::vector<std::string> names = names_of(coupling.fields);
   for (const std::string& name : coupling.energy.fields) {
     if (contains(names, name)) continue;
     context.problems.unknown(limits.place("energy"), "there is no field", name, names);
@@ -375,14 +378,10 @@ void mark_relaxed(const Context& context, const Section& section, const Order& o
   const bool needed =
       coupling.scheme == Scheme::serial_implicit || coupling.acceleration != Acceleration::none;
   const std::vector<std::string> named = section.texts("relax");
+  const std::vector<std::string> names = names_of(coupling.fields);
   for (const std::string& name : named) {
-    const bool known = std::any_of(coupling.fields.begin(), coupling.fields.end(),
-                                   [&](const Field& field) { return field.name == name; });
-    if (!known) {
-      std::vector<std::string> names;
-      for (const Field& field : coupling.fields) names.push_back(field.name);
-      context.problems.unknown(section.place("relax"), "there is no field", name, names);
-    }
+    if (contains(names, name)) continue;
+    context.problems.unknown(section.place("relax"), "there is no field", name, names);
   }
   if (!needed) return;
   bool any = false;
