@@ -12,7 +12,8 @@ on a machine that does nothing else.
 - orchestrated: `sandglass run`, YADE and FreeFEM, without checkpoints, because a state that is written is also loaded, and what
   follows differs in the last bits.
 - one process: the very scripts of that run in one YADE, without orchestrator, exchange, record and checkpoints, the head from
-  resistances in series in Python in the place of FreeFEM: what a hand-written program for this physics would be.
+  resistances in series in Python in the place of FreeFEM: what a hand-written program for this physics would be. The same with two
+  OpenMP threads, each bound to a processor.
 - plain: the same as one writes it first: YADE's own margin of neighbour lists (half the smallest radius), fallen beads left
   among the others, sides of triangles.
 - LAMMPS on one rank, and on two.
@@ -143,7 +144,7 @@ def script(out, *beginnings):
     return found
 
 
-def single(name, out, replaced):
+def single(name, out, replaced, threads=1):
     answer = os.path.join(FOLDER, name + ".json")
     with open(os.path.join(out, "workflow.json")) as file:
         cells = json.load(file)["parameters"]
@@ -152,8 +153,8 @@ def single(name, out, replaced):
         file.write(SINGLE.format(folder=FOLDER, scripts=script(out, "The coarse-grid erosion test", "One coupling window of"), replaced=replaced,
                                  start=os.path.join(out, "stages", "start", "start.h5"), half=cells["cell_top"]["value"] / cells["cells"]["value"] / 2, windows=WINDOWS, window=WINDOW,
                                  answer=answer))
-    environment = dict(os.environ, SANDGLASS_SCRIPT=path, SANDGLASS_THREADS="1", PYTHONPATH=os.path.join(HOME, "templates", "python"),
-                       OMP_NUM_THREADS="1")
+    environment = dict(os.environ, SANDGLASS_SCRIPT=path, SANDGLASS_THREADS=str(threads), PYTHONPATH=os.path.join(HOME, "templates", "python"),
+                       OMP_NUM_THREADS=str(threads), OMP_PROC_BIND="true")
     environment.pop("SANDGLASS_COMMANDS", None)
     if not os.path.exists(answer):
         subprocess.run(["/usr/bin/python3", os.path.join(HOME, "templates", "yade", "resident.py")], check=True, env=environment,
@@ -162,7 +163,7 @@ def single(name, out, replaced):
         return json.load(file)
 
 
-WAYS = ["plain YADE script, one process", "this YADE script, one process", "orchestrated, YADE", "orchestrated, LAMMPS, one rank",
+WAYS = ["plain YADE script, one process", "this YADE script, one process", "the same, two threads", "orchestrated, YADE", "orchestrated, LAMMPS, one rank",
         "orchestrated, LAMMPS, two ranks"]
 
 
@@ -175,7 +176,9 @@ def one_round(number):
     if abs(sum(alone["eroded"]) - sum(eroded)) > 3 * (sum(alone["eroded"]) + sum(eroded) + 1) ** 0.5:
         raise SystemExit("one process is not the same physics: %s beads fell through, orchestrated %s" % (alone["eroded"], eroded))
     plain = single("plain-%d" % number, out, PLAIN)
-    seconds, fallen = [plain["seconds"], alone["seconds"], whole], [plain["eroded"], alone["eroded"], eroded]
+    threads = single("two-threads-%d" % number, out, [], 2)
+    seconds = [plain["seconds"], alone["seconds"], threads["seconds"], whole]
+    fallen = [plain["eroded"], alone["eroded"], threads["eroded"], eroded]
     for ranks in (1, 2):
         _, took, _, fell = orchestrated("lammps-%d-%d" % (ranks, number), dem="lammps", ranks=ranks)
         seconds.append(took)
@@ -197,9 +200,9 @@ def main():
     for way, name in enumerate(WAYS):
         table.append((name, median_of([steps / seconds[way] for _, seconds, _, _ in rounds], 1),
                       median_of([seconds[0] / seconds[way] for _, seconds, _, _ in rounds], 2), " ".join(map(str, rounds[0][2][way]))))
-    table.append(("orchestrated over one process, YADE, seconds", "", median_of([seconds[2] / seconds[1] for _, seconds, _, _ in rounds], 3), ""))
+    table.append(("orchestrated over one process, YADE, seconds", "", median_of([seconds[3] / seconds[1] for _, seconds, _, _ in rounds], 3), ""))
     table.append(("FreeFEM, exchange and record over the whole window", "", median_of([share for *_, share in rounds], 4), ""))
-    table.append(("two ranks over one, LAMMPS", "", median_of([seconds[3] / seconds[4] for _, seconds, _, _ in rounds], 2), ""))
+    table.append(("two ranks over one, LAMMPS", "", median_of([seconds[4] / seconds[5] for _, seconds, _, _ in rounds], 2), ""))
     with open(os.path.join(FOLDER, "benchmark.csv"), "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(table)
     for row in table:
