@@ -14,7 +14,8 @@ namespace sandglass::coupling {
 struct StabilityLimits {
   bool active = true;
   /// Growth per window above which a field that oscillates diverges. Between 0.95 and 1.05 the
-  /// verdict is open: this stands between them with room for oscillations that are sampled unevenly.
+  /// verdict is open: this stands between them with room for oscillations that are sampled
+  /// unevenly.
   double growth = 1.02;
   double monotone_growth = 1.04;  ///< the same without a change of sign, as some physics grows too
 };

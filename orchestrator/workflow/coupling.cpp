@@ -339,8 +339,9 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
   const Section limits(*stability, object("stability"), context.scope);
   if (limits.find("watch")) coupling.stability.active = limits.toggle("watch");
   coupling.stability.growth = limits.number("growth", coupling.stability.growth);
+  constexpr double more = 0.02;  // some physics grows too
   coupling.stability.monotone_growth =
-      limits.number("monotone_growth", coupling.stability.monotone_growth);
+      limits.number("monotone_growth", coupling.stability.growth + more);
 }
 
 void read_rest(const Context& context, const Section& section, Coupling& coupling) {

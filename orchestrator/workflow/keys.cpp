@@ -541,7 +541,7 @@ Object stability_keys() {
             .reference = true,
             .unit = "1",
             .above = 1,
-            .fallback = "1.04",
+            .fallback = "0.02 more than `growth`",
             .doc = "The same without a change of sign, as some physics grows too.",
             .example = "1.2"},
            {.name = "energy",

@@ -18,15 +18,19 @@ if not points:
 
 
 class Course:
-    """One run: time (s), eroded mass per area (kg/m2), and when it clogged (s; None: not, NaN: too short to tell)."""
+    """One run, to its planned end: time (s), eroded mass per area (kg/m2), and when it clogged (s; None: not, NaN: too short to tell)."""
 
     def __init__(self, point):
         record = point.record()
         self.point, self.seed = point, point.parameters['seed']
-        self.time = numpy.append(0.0, record.time)
-        passed = numpy.append(0.0, numpy.cumsum(record['eroded'][:, 0]))
+        # A run that ended well before its time did so because nothing fell through any more: the rest of it is known.
+        window = point.parameters['window']
+        eroded = numpy.zeros(max(record.windows, math.ceil(point.parameters['end_time'] / window * (1 - 1e-9))))
+        eroded[: record.windows] = record['eroded'][:, 0]
+        self.time = numpy.append(0.0, window * numpy.arange(1, len(eroded) + 1))
+        passed = numpy.append(0.0, numpy.cumsum(eroded))
         self.mass = passed * point.quantities['eroded_mass_per_area'] / passed[-1] if passed[-1] else passed
-        windows = max(1, round(clogged_for / (self.time[1] - self.time[0])))
+        windows = max(1, round(clogged_for / window))
         stretches = passed[windows:] - passed[:-windows]  # passages in the stretch that begins with each window
         self.clogged = math.nan
         if len(stretches) > windows:
@@ -101,7 +105,8 @@ if any(row[-1] != '-' for row in ends):
     panels.append(dict(title='runs that have not clogged', y='share of the runs', curves=going))
 sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
                  caption='Specimens of one seed are the same in all cases of one engine. Bars: standard error of the mean over seeds. A run has clogged '
-                         'when in %g s less than %g %% fell through of the most that fell in as long a time before.' % (clogged_for, 100 * clogged_below))
+                         'when in %g s less than %g %% fell through of the most that fell in as long a time before. A run that ended because nothing fell '
+                         'through any more is drawn on as it was.' % (clogged_for, 100 * clogged_below))
 sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'clogged', 'when in s'], ends)
 
 

@@ -23,7 +23,8 @@ class BandsTest(unittest.TestCase):
         self.addCleanup(self.place.cleanup)
         self.rows = []
 
-    def add(self, drag, seed, eroded, exit_code=0):
+    def add(self, drag, seed, eroded, exit_code=0, planned=None):
+        """`planned`: how many windows it was to have, where it ended before them."""
         run = "%s-%d" % (drag, seed)
         folder = os.path.join(self.place.name, "points", run)
         os.makedirs(folder)
@@ -37,7 +38,7 @@ class BandsTest(unittest.TestCase):
         self.rows.append({
             "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
             "run": os.path.join("..", "points", run), "exit_code": exit_code,
-            "parameters": {"drag": drag, "seed": seed, "dem": "lammps", "cells": 5},
+            "parameters": {"drag": drag, "seed": seed, "dem": "lammps", "cells": 5, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
             "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
 
     def analyse(self, clogged_below=0.1, clogged_for=1.0):
@@ -82,6 +83,14 @@ class BandsTest(unittest.TestCase):
         self.assertEqual(result["tables"][0]["rows"][0][-2:], ["1 of 2", "2.0"])
         self.assertEqual(result["quantities"]["clogged_share"]["value"], 0.5)
         self.assertEqual(result["curves"]["going_no_flow_LAMMPS"]["y"]["values"], [1] * 4 + [0.5] * 5)
+
+    def test_a_run_that_came_to_rest_stays_as_it_is(self):
+        self.add("none", 1, [10] * 8)
+        self.add("coupled", 1, [10, 10, 10, 0, 0], planned=8)
+        result = self.analyse()
+        self.assertEqual(result["curves"]["coupled_5_cells_LAMMPS_median"]["y"]["values"], [UNIT * n for n in (0, 10, 20, 30, 30, 30, 30, 30, 30)])
+        self.assertEqual(result["quantities"]["added_by_coupling"]["value"], -50 * UNIT)
+        self.assertEqual(result["tables"][0]["rows"][1][-2:], ["1 of 1", "1.5"])
 
     def test_too_short_to_tell(self):
         self.add("none", 1, [10, 0, 0])

@@ -160,7 +160,8 @@ TEST_F(Model, RestIsAFieldThatIsSentAlthoughNobodyNeedsItAndWholeWindows) {
   EXPECT_EQ(project.load(text).coupling->rest.windows, 0);
   EXPECT_THAT(project.problems(with("{field: dept, for: 1 s}")),
               ElementsAre(HasSubstr("there is no field 'dept'")));
-  EXPECT_THAT(project.problems(with("{field: depth}")), ElementsAre(HasSubstr("a rest needs 'for'")));
+  EXPECT_THAT(project.problems(with("{field: depth}")),
+              ElementsAre(HasSubstr("a rest needs 'for'")));
 }
 
 TEST_F(Model, AParticipantThatDoesNotApplyTakesItsFieldsAlong) {
