@@ -35,8 +35,9 @@ def read(run, name):
 
 
 def stopped(run):
-    """Whether it ended before its last window because nothing fell through any more."""
-    return read(run, "result.json")["status"] == "done" and read(run, "result.json")["windows"] < read(run, "workflow.json")["coupling"]["windows"]
+    """Whether it has ended because nothing fell through any more, in its last six windows."""
+    mass = curve(run, "eroded_mass_per_area")[1]
+    return len(mass) > 6 and mass[-1] == mass[-7]
 
 
 def strength(run):
