@@ -158,6 +158,7 @@ Done Engine::window(std::int64_t index) {
 std::vector<Oscillation> Engine::oscillations() const {
   std::vector<Oscillation> found;
   for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (plan_.fields[f].to == kNobody) continue;
     if (const auto one = states_[f].watch.oscillation()) {
       found.push_back({plan_.fields[f].name, *one});
     }

@@ -136,7 +136,8 @@ class Engine {
   Done window(std::int64_t index);
   /// Whether the field of the plan's `rest` has been small for long enough: the run may end.
   [[nodiscard]] bool at_rest() const { return rest_watch_.at_rest(); }
-  /// What oscillated so far without diverging.
+  /// What oscillated so far without diverging, of what somebody receives: the rest does so only
+  /// because of that, or by itself.
   [[nodiscard]] std::vector<Oscillation> oscillations() const;
   /// What was not asked of a partner because it had just been asked the same.
   struct Spared {

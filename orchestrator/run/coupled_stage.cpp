@@ -444,32 +444,21 @@ class CoupledRun {
     note_oscillations(engine.oscillations());
   }
 
-  /// One note for all, with the one that lasts longest. What nobody receives oscillates only
-  /// because something else does, or by itself.
-  void note_oscillations(std::vector<coupling::Oscillation> all) {
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](const coupling::Oscillation& one) {
-                               return std::any_of(coupling_.fields.begin(), coupling_.fields.end(),
-                                                  [&](const workflow::Field& field) {
-                                                    return field.name == one.field &&
-                                                           field.to.empty();
-                                                  });
-                             }),
-              all.end());
+  /// One note for all, with the one that lasts longest.
+  void note_oscillations(const std::vector<coupling::Oscillation>& all) {
     if (all.empty()) return;
-    const auto& worst =
-        *std::max_element(all.begin(), all.end(), [](const auto& one, const auto& other) {
-          return one.finding.growth < other.finding.growth;
-        });
+    const auto worst = std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
+      return a.finding.growth < b.finding.growth;
+    });
     std::vector<std::string> names;
     for (const coupling::Oscillation& one : all) names.push_back(one.field);
+    const bool many = names.size() > 1;
     outcome_.notes.push_back(fmt::format(
-        "coupling: {} '{}' oscillate{} from window to window: {} change {}; a shorter window or "
+        "coupling: {} '{}' oscillate{} from window to window: {}its change {}; a shorter window or "
         "under-relaxation removes this, unless it is a solver's own noise",
-        names.size() > 1 ? "fields" : "field", fmt::join(names, "', '"),
-        names.size() > 1 ? "" : "s",
-        names.size() > 1 ? fmt::format("that of '{}' lasts longest, its", worst.field) : "its",
-        worst.finding.text()));
+        many ? "fields" : "field", fmt::join(names, "', '"), many ? "" : "s",
+        many ? fmt::format("that of '{}' lasts longest, ", worst->field) : "",
+        worst->finding.text()));
   }
 
   [[nodiscard]] std::string note_of_rest(double end) const {

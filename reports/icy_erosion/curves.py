@@ -10,13 +10,13 @@ import csv
 import json
 import os
 
+import matplotlib
 import numpy
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CASES = {"coupled": "five cells", "none": "no flow", "constant": "constant drag", "two_cells": "two cells"}
-SEEDS = {"": "seed 1", "_2": "seed 2", "_3": "seed 3"}
 STYLES = ["-", "--", "-."]  # by seed
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"]
 GRAM_PER_CM2 = 10.0  # kg/m2
@@ -35,9 +35,10 @@ def read(run, name):
 
 
 def stopped(run):
-    """Whether it has ended because nothing fell through any more, in its last six windows."""
+    """Whether nothing fell through any more in its last windows, as many as end a run."""
+    quiet = read(run, "workflow.json")["coupling"]["rest"]["windows"]
     mass = curve(run, "eroded_mass_per_area")[1]
-    return len(mass) > 6 and mass[-1] == mass[-7]
+    return len(mass) > quiet and mass[-1] == mass[-1 - quiet]
 
 
 def strength(run):
@@ -54,20 +55,22 @@ def strength(run):
 
 
 def main():
-    runs = {case + seed: "%s, %s" % (CASES[case], SEEDS[seed]) for case in CASES for seed in SEEDS
-            if os.path.exists(os.path.join(HERE, case + seed, "result.json"))}
+    # The first seed's folders have the names of their cases.
+    runs = {case if seed == 0 else "%s_%d" % (case, seed + 1): (case, seed) for case in CASES for seed in range(len(STYLES))}
+    runs = {run: which for run, which in runs.items() if os.path.exists(os.path.join(HERE, run, "result.json"))}
+    labels = {run: "%s, seed %d" % (CASES[case], seed + 1) for run, (case, seed) in runs.items()}
+    matplotlib.rcParams["svg.hashsalt"] = "curves"  # the same names in the file whenever it is drawn
     figure = Figure(figsize=(11, 4.4), dpi=125, layout="constrained")
     mass, drag = figure.subplots(1, 2)
     masses = {}
-    for run, label in runs.items():
-        case, _, seed = run.partition("_") if run not in CASES else (run, "", "")
-        look = dict(color=COLOURS[list(CASES).index(case)], linestyle=STYLES[list(SEEDS).index("_" + seed if seed else "")])
+    for run, (case, seed) in runs.items():
+        colour = COLOURS[list(CASES).index(case)]
         masses[run] = curve(run, "eroded_mass_per_area")
         time, value = masses[run][0], masses[run][1] / GRAM_PER_CM2
-        mass.plot(time, value, linewidth=2, label=label, **look)
+        mass.plot(time, value, color=colour, linestyle=STYLES[seed], linewidth=2, label=labels[run])
         if stopped(run):
-            mass.plot([time[-1], 48], [value[-1]] * 2, linewidth=1, **look | {"linestyle": ":"})
-            mass.plot(time[-1], value[-1], "|", color=look["color"], markersize=9, markeredgewidth=2)
+            mass.plot([time[-1], 48], [value[-1]] * 2, color=colour, linestyle=":", linewidth=1)
+            mass.plot(time[-1], value[-1], "|", color=colour, markersize=9, markeredgewidth=2)
     first = next(iter(runs))
     for name, marker, label in (("icy_five_cells", "o", "ICY, five cells (printed end)"), ("icy_two_cells", "s", "ICY, two cells (printed end)"),
                                 ("icy_constant_drag", "D", "ICY, constant drag (printed stop)")):
@@ -93,7 +96,7 @@ def main():
     last = max(values[0][-1] for values in masses.values())
     with open(os.path.join(HERE, "curves.csv"), "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["time (s)"] + ["%s (g/cm2)" % label for label in runs.values()])
+        table.writerow(["time (s)"] + ["%s (g/cm2)" % label for label in labels.values()])
         for when in numpy.arange(2.5, last + 1e-9, 2.5):
             row = ["%.4f" % (numpy.interp(when, *masses[run]) / GRAM_PER_CM2) if when <= masses[run][0][-1] + 1e-9 or stopped(run) else ""
                    for run in runs]

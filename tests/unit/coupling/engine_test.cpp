@@ -574,6 +574,25 @@ TEST(AskedOnce, ARelaxedFieldGoesOnTowardsTheSameAnswer) {
   EXPECT_EQ(engine.spared(0).windows, 3);
 }
 
+// ---- oscillations
+
+TEST(Oscillations, AreToldOfWhatSomebodyReceives) {
+  Plan plan = plan_of(Scheme::serial_explicit, 0.1, 30,
+                      {field("drag", 0, 1), field("drag_total", 0, kNobody)});
+  plan.stability.active = true;
+  FakePartner fluid("fluid", [](FakePartner& self) {
+    const double swing = std::pow(-0.8, self.window);
+    self.send(0, {swing});
+    self.send(1, {3 * swing});
+  });
+  FakePartner grains("grains", kNothing);
+  const auto found = run(
+      plan, {&fluid, &grains}, FakeClock(), [](std::int64_t) {}, [](const Done&) {});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].field, "drag");
+  EXPECT_NEAR(found[0].finding.growth, 0.8, 1e-6);
+}
+
 // ---- rest
 
 TEST(Rest, ComesWhenTheFieldHasBeenSmallForSoManyWindowsInARow) {
