@@ -46,7 +46,7 @@ def resume(path):
 
 def set_up():
     set_pairs()
-    set_motion()
+    set_motion(with_drag={{drag}} != 'none')
     commands('timestep %.17g' % ({{exchange_window}} / window_steps), 'thermo_modify lost error')
 
 
@@ -60,7 +60,7 @@ refresh_steps = max(catch_steps, math.ceil({{drag_refresh}} / ({{exchange_window
 
 def apply_drag():
     force, total = drag_of(beads('x')[:, 2], pressure_difference, fine_gradient)
-    put('d_drag', numbers, -force * density_scaling)
+    put_drag(-force * density_scaling)
     return total
 
 

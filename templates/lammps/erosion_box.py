@@ -146,7 +146,7 @@ def is_aside():
 
 
 # The order matters: damping acts on the sum of what stands before it, as in YADE.
-def set_motion():
+def set_motion(with_drag=False):
     commands('fix motion moving nve/sphere',
              'fix weight moving gravity %.17g vector 0 0 -1' % (gravity * (1 - fluid_density / density)))
     if not periodic:
@@ -155,12 +155,19 @@ def set_motion():
             commands('fix x_%s %s wall/gran %s xplane 0 %.17g' % (group, group, wall, section),
                      'fix y_%s %s wall/gran %s yplane 0 %.17g' % (group, group, wall, section))
     set_plate()
-    commands('neigh_modify exclude group aside all', 'fix keep all property/atom d_drag', 'variable drag atom d_drag', 'fix drag moving addforce 0 0 v_drag')
+    lmp.command('neigh_modify exclude group aside all')
+    if with_drag:  # an array: for a variable that addforce evaluates LAMMPS would sum up the pairs' virial in every step
+        lmp.command('fix drag moving external pf/array 1')
     set_damping()
 
 
+def put_drag(force):
+    """Upward forces on all beads in the order of their numbers, N, in every step from now on."""
+    lmp.numpy.fix_external_get_force('drag')[: lmp.extract_global('nlocal'), 2] = force[local('id') - 1]
+
+
 def unset_motion():
-    own = {'motion', 'weight', 'keep', 'drag', 'damping'}
+    own = {'motion', 'weight', 'damping'}
     commands(*('unfix ' + name for name in lmp.available_ids('fix')
                if name in own or name.startswith(('x_', 'y_', 'plate_'))))
 
