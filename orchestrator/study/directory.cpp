@@ -43,12 +43,23 @@ MadeOf StudyDirectory::made_of(const std::string& point) const {
 void StudyDirectory::prepare(const std::string& point, const MadeOf& made_of) const {
   for (const char* folder : {"points", "made_of", "logs"}) make_directories(file(folder));
   // In this order: what lies in points/POINT is at every moment what made_of/POINT.json says.
+  std::error_code error;
+  if (fs::exists(run_of(point) + "/record.h5", error)) keep_replaced(point);
   for (const std::string& old : {run_of(point), log_of(point)}) {
-    std::error_code error;
     fs::remove_all(old, error);
     if (error) throw_system_error("remove", old, error.value());
   }
   write_file(file("made_of/" + point + ".json"), to_json(made_of));
+}
+
+void StudyDirectory::keep_replaced(const std::string& point) const {
+  const std::string kept = file("replaced/" + point);
+  make_directories(file("replaced"));
+  std::error_code error;
+  fs::remove_all(kept, error);
+  if (error) throw_system_error("remove", kept, error.value());
+  fs::rename(run_of(point), kept, error);
+  if (error) throw_system_error("move", run_of(point), error.value());
 }
 
 Outcome StudyDirectory::outcome(const std::string& point) const {

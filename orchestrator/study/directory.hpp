@@ -33,10 +33,11 @@ struct Outcome {
 /// | --- | --- |
 /// | study.json | its points, for `status` and `compare` |
 /// | points/POINT/ | run directories |
-/// | made_of/POINT.json | what the run in there was started from |
-/// | logs/POINT.log | what the run said |
-/// | memory.json, seen.json | how files looked; what the last complete call found |
-/// | summary/ | the report of the study, a run directory itself: points.json, points.csv, ... |
+/// | replaced/POINT/ | the run before, whose place another one has taken: hours of windows may be
+/// in it | | made_of/POINT.json | what the run in points/ was started from | | logs/POINT.log |
+/// what the run said | | memory.json, seen.json | how files looked; what the last complete call
+/// found | | summary/ | the report of the study, a run directory itself: points.json, points.csv,
+/// ... |
 class StudyDirectory {
  public:
   explicit StudyDirectory(std::string path) : path_(std::move(path)) {}
@@ -49,7 +50,8 @@ class StudyDirectory {
 
   /// What the point's run was started from; empty when it never was.
   [[nodiscard]] MadeOf made_of(const std::string& point) const;
-  /// Removes what an earlier run of the point has left and notes what the next one is made of.
+  /// Takes away what an earlier run of the point has left, to replaced/ where it has recorded
+  /// anything, and notes what the next one is made of.
   void prepare(const std::string& point, const MadeOf& made_of) const;
   [[nodiscard]] Outcome outcome(const std::string& point) const;
   /// The point's run left a checkpoint to go on behind.
@@ -66,6 +68,8 @@ class StudyDirectory {
   [[nodiscard]] std::vector<Entry> read() const;
 
  private:
+  void keep_replaced(const std::string& point) const;
+
   std::string path_;
 };
 

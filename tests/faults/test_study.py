@@ -273,8 +273,11 @@ class Interrupted(StudyCase):
             self.assertGreater(seconds["right"], 300 * 0.005)
             self.assertGreater(seconds["run"], 300 * 0.005)
         self.assertEqual(points, others)
-        # What the point is made of changed: it is begun anew.
+        # What the point is made of changed: it is begun anew, and what it had recorded is kept.
+        recorded = datasets(os.path.join(ours, "record.h5"))
         self.assertIn("2 points: 2 run", self.study("gone_on", "--set", "length=4").out)
+        self.assertEqual(datasets(self.place.join("gone_on", "replaced", "seed=2", "record.h5")), recorded)
+        self.assertNotEqual(datasets(os.path.join(ours, "record.h5")), recorded)
 
     def test_two_at_a_time_are_refused(self):
         self.file("twice", ["set: {deed: stall}"])
