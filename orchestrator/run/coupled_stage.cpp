@@ -11,62 +11,17 @@
 #include "base/error.hpp"
 #include "base/unit.hpp"
 #include "coupling/engine.hpp"
-#include "exchange/transform.hpp"
 #include "hdf5/hdf5.hpp"
 #include "record/checkpoint.hpp"
 #include "record/record.hpp"
+#include "run/coupling_plan.hpp"
+#include "run/participant_partner.hpp"
 #include "run/solvers.hpp"
 
 namespace sandglass::run {
 namespace {
 
 using participant::Participant;
-
-/// Which fields a participant receives and sends, as positions in the workflow's list.
-struct Sides {
-  std::vector<std::size_t> inputs;
-  std::vector<std::size_t> outputs;
-};
-
-Sides sides_of(const workflow::Coupling& coupling, const std::string& name) {
-  Sides sides;
-  for (std::size_t f = 0; f < coupling.fields.size(); ++f) {
-    if (coupling.fields[f].to == name) sides.inputs.push_back(f);
-    if (coupling.fields[f].from == name) sides.outputs.push_back(f);
-  }
-  return sides;
-}
-
-/// Joins the engine's view of a partner (fields by number) to a participant and its slot.
-class ParticipantPartner final : public coupling::Partner {
- public:
-  ParticipantPartner(Participant& participant, Sides sides)
-      : participant_(participant), sides_(std::move(sides)) {}
-
-  [[nodiscard]] const std::string& name() const override { return participant_.name(); }
-  void give(std::size_t field, std::span<const double> values,
-            const coupling::Shape& shape) override {
-    participant_.slot().give(position(sides_.inputs, field), values, shape);
-  }
-  void begin(std::int64_t window, std::int64_t iteration, double begin, double end) override {
-    participant_.begin({window, iteration, begin, end});
-  }
-  void finish() override { participant_.finish(); }
-  [[nodiscard]] Sent take(std::size_t field) override {
-    auto taken = participant_.slot().take(position(sides_.outputs, field));
-    return {taken.values, std::move(taken.shape)};
-  }
-  void save() override { participant_.save(); }
-  void restore() override { participant_.restore(); }
-  [[nodiscard]] double seconds() const override { return participant_.seconds(); }
-
- private:
-  static std::size_t position(const std::vector<std::size_t>& list, std::size_t field) {
-    return static_cast<std::size_t>(std::find(list.begin(), list.end(), field) - list.begin());
-  }
-  Participant& participant_;
-  Sides sides_;
-};
 
 /// The script of one participant's windows. Where it uses nothing of the window, its text is the
 /// same every time: rendered and stored once.
@@ -100,142 +55,6 @@ Value::Map used_by(const Template& parsed, const Value::Map& all) {
     if (parsed.names().contains(name)) values[name] = value;
   }
   return values;
-}
-
-std::vector<exchange::FieldLayout> layouts(const workflow::Coupling& coupling,
-                                           const std::vector<std::size_t>& fields, bool received) {
-  std::vector<exchange::FieldLayout> result;
-  for (const std::size_t f : fields) {
-    const workflow::Field& field = coupling.fields[f];
-    const bool identity = field.transform == workflow::Transform::identity;
-    result.push_back(
-        {field.name, field.unit, received ? field.received_shape : field.shape,
-         received && field.mapping ? true : field.variable && (identity || !received)});
-  }
-  return result;
-}
-
-/// A field's mapping, made anew when points or cells have changed.
-class MovingMapping {
- public:
-  using Newest = coupling::Field::Newest;
-  MovingMapping(std::string field, workflow::FieldMapping mapping)
-      : field_(std::move(field)), mapping_(std::move(mapping)) {}
-
-  /// `inputs` are points of the sender, points of the receiver, and cells, if the workflow names
-  /// them.
-  std::vector<double> operator()(std::span<const double> values, const coupling::Shape& shape,
-                                 const std::vector<Newest>& inputs, coupling::Shape& result) {
-    const Newest &from = inputs[0], &to = inputs[1];
-    const std::int64_t components = shape.size() == 2 ? shape[1] : 1;
-    result = shape;
-    result[0] = 0;
-    if (from.shape[0] == 0 || to.shape[0] == 0) return {};  // one side has not spoken yet
-    if (shape[0] != from.shape[0]) {
-      throw Error::participant(fmt::format("field '{}' has {} values, but there are {} points '{}'",
-                                           field_, shape[0], from.shape[0], mapping_.from_points),
-                               "a participant must send as many values as points");
-    }
-    update(inputs);
-    result[0] = to.shape[0];
-    return mapping_.conservative ? made_->conservative(values, components)
-                                 : made_->consistent(values, components);
-  }
-
- private:
-  void update(const std::vector<Newest>& inputs) {
-    bool same = made_ && known_.size() == inputs.size();
-    for (std::size_t i = 0; same && i < inputs.size(); ++i) {
-      same = std::equal(known_[i].begin(), known_[i].end(), inputs[i].values.begin(),
-                        inputs[i].values.end());
-    }
-    if (same) return;
-    known_.clear();
-    for (const Newest& one : inputs) known_.emplace_back(one.values.begin(), one.values.end());
-    const std::size_t surface = mapping_.conservative ? 1 : 0;
-    if (inputs[0].shape[1] != inputs[1].shape[1]) {
-      throw Error::participant(
-          fmt::format("field '{}' is mapped between points of {} and of {} coordinates", field_,
-                      inputs[0].shape[1], inputs[1].shape[1]),
-          "both sides need the same number");
-    }
-    exchange::Interface face;
-    face.dimension = static_cast<int>(inputs[surface].shape[1]);
-    face.points = known_[surface];
-    if (inputs.size() > 2) {
-      face.corners = static_cast<int>(inputs[2].shape[1]);
-      for (const double number : known_[2]) face.cells.push_back(static_cast<std::int64_t>(number));
-    } else {
-      face.corners = 2;
-      face.cells = exchange::chain(face.count());
-    }
-    try {
-      made_.emplace(mapping_.method, face, known_[1 - surface], mapping_.limit);
-    } catch (const Error& error) {
-      throw Error::participant(fmt::format("mapping of field '{}' from '{}' to '{}': {}", field_,
-                                           mapping_.from_points, mapping_.to_points, error.what()));
-    }
-  }
-
-  std::string field_;
-  workflow::FieldMapping mapping_;
-  std::vector<std::vector<double>> known_;
-  std::optional<exchange::Mapping> made_;
-};
-
-coupling::Plan plan_of(const workflow::Coupling& coupling) {
-  coupling::Plan plan;
-  plan.scheme = coupling.scheme;
-  plan.acceleration = coupling.acceleration;
-  plan.relaxation = coupling.relaxation;
-  plan.reused_windows = coupling.reused_windows;
-  plan.filter = coupling.filter;
-  plan.tolerance = coupling.tolerance;
-  plan.most_iterations = coupling.iterations;
-  plan.stability = coupling.stability;
-  plan.energy = coupling.energy;
-  plan.rest = coupling.rest;
-  plan.window = coupling.window;
-  plan.windows = coupling.windows;
-  const auto number = [&](const std::string& name) {
-    const auto found = std::find(coupling.order.begin(), coupling.order.end(), name);
-    return found == coupling.order.end() ? coupling::kNobody
-                                         : static_cast<std::size_t>(found - coupling.order.begin());
-  };
-  for (const workflow::Field& field : coupling.fields) {
-    coupling::Field planned;
-    planned.name = field.name;
-    planned.shape = field.shape;
-    planned.variable = field.variable;
-    planned.from = number(field.from);
-    planned.to = number(field.to);
-    planned.received_shape = field.received_shape;
-    planned.initial = field.initial;
-    planned.relaxed = field.relaxed;
-    if (field.transform != workflow::Transform::identity) {
-      const auto transform = field.transform;
-      const auto samples = field.samples;
-      planned.transform = [transform, samples](std::span<const double> values,
-                                               const coupling::Shape& shape,
-                                               coupling::Shape& result) {
-        result = exchange::transformed_shape(transform, shape, samples);
-        return exchange::apply(transform, values, shape, samples);
-      };
-    }
-    if (field.mapping) {
-      planned.mapping = MovingMapping(field.name, *field.mapping);
-      for (const std::string& input :
-           {field.mapping->from_points, field.mapping->to_points, field.mapping->cells}) {
-        const auto found = std::find_if(coupling.fields.begin(), coupling.fields.end(),
-                                        [&](const auto& one) { return one.name == input; });
-        if (found != coupling.fields.end()) {
-          planned.inputs.push_back(static_cast<std::size_t>(found - coupling.fields.begin()));
-        }
-      }
-    }
-    plan.fields.push_back(std::move(planned));
-  }
-  return plan;
 }
 
 /// The coupling of one run: participants in the order of the workflow, their scripts, the record.
@@ -412,11 +231,7 @@ class CoupledRun {
     std::vector<coupling::Partner*> partners;
     for (auto& partner : partners_) partners.push_back(partner.get());
     const double start = clock_.now();
-    coupling::Plan plan = plan_of(coupling_);
-    plan.asked_once.assign(partners.size(), false);
-    for (const workflow::LeftOut& one : workflow_.left_out) {
-      if (one.unchanged_inputs && one.active) plan.asked_once[number_of(one.of)] = true;
-    }
+    const coupling::Plan plan = plan_of(workflow_);
     coupling::Engine engine(plan, partners, clock_);
     if (span_.behind > 0) {
       coupling::Memory memory(std::move(memory_));

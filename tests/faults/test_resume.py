@@ -176,6 +176,10 @@ class GoingOn(ResumeCase):
         ended = self.resume_until_done(started.directory)
         self.assertEqual(ended.result["windows"], 31)
         self.assert_same_bytes(ended, unbroken)
+        again = self.sandglass("resume", started.directory)
+        self.assert_code(again, DONE)
+        self.assertIn("nothing to resume: this run came to its end", again.out)
+        self.assert_same_bytes(ended, unbroken)
 
     def test_fresh_participants(self):
         text = slow_pair(process="fresh")
