@@ -1,5 +1,5 @@
-# The erosion test over seeds: bands of eroded mass per case, what flow adds to the control without flow seed by seed, and
-# which runs clog, and when.
+# The erosion test over seeds: bands of eroded mass per case, how far cases are from their control (no flow, or the other
+# program) seed by seed, and which runs clog, and when.
 import math
 import statistics
 
@@ -8,6 +8,10 @@ import numpy
 import sandglass_analysis as sandglass
 
 clogged_below, clogged_for = {{clogged_below}}, {{clogged_for}}  # share of the largest rate before; s
+
+# A control is a point with this value of this parameter, and with the same seed and all else that tells cases apart.
+control_of, control = {{control_of}}, {{control}}
+control_name = {'none': 'no flow', 'lammps': 'LAMMPS', 'yade': 'YADE'}[control]
 
 # Quantiles of Student's t for 95 %, both sides, by degrees of freedom; beyond them that of the normal distribution.
 STUDENT = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262]
@@ -39,8 +43,8 @@ class Course:
 
     @property
     def control(self):
-        """What a run without flow must share with this one to be its control."""
-        return self.seed, self.point.parameters['dem'], len(self.time)
+        """What a run must share with this one to be its control."""
+        return self.seed, self.point.parameters['drag' if control_of == 'dem' else 'dem'], len(self.time)
 
 
 def name_of(point):
@@ -51,7 +55,7 @@ def name_of(point):
 cases = {}
 for point in points:
     cases.setdefault(name_of(point), []).append(Course(point))
-controls = {course.control: course for courses in cases.values() for course in courses if course.point.parameters['drag'] == 'none'}
+controls = {course.control: course for courses in cases.values() for course in courses if course.point.parameters[control_of] == control}
 
 
 def short(name):
@@ -74,7 +78,7 @@ for case, courses in cases.items():
         going.append(sandglass.curve('going_' + short(case), time, [1 - sum(one <= now for one in when) / len(told) for now in time],
                                      's', '1', case, 'computed', y_name='share'))
 
-    # What the flow adds: specimens of one seed are the same, so it is looked at seed by seed.
+    # Specimens of one seed are the same, so the difference is looked at seed by seed.
     pairs = [(course, controls[course.control]) for course in courses if course.control in controls and controls[course.control] is not course]
     if not pairs:
         continue
@@ -99,8 +103,8 @@ for name, x, y, label in (('icy_constant_drag', 7, 0.39, 'ICY, constant drag (pr
 
 panels = [dict(title='lowest, median and highest over seeds', y='eroded mass per area', y_unit='g/cm2', curves=bands + printed)]
 if differences:
-    panels.append(dict(title='less no flow, seed by seed', y='difference of eroded mass per area', y_unit='g/cm2',
-                       curves=[one[1] for one in differences], marks=[dict(axis='y', value=0.0, label='no flow')]))
+    panels.append(dict(title='less %s, seed by seed' % control_name, y='difference of eroded mass per area', y_unit='g/cm2',
+                       curves=[one[1] for one in differences], marks=[dict(axis='y', value=0.0, label=control_name)]))
 if any(row[-1] != '-' for row in ends):
     panels.append(dict(title='runs that have not clogged', y='share of the runs', curves=going))
 sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
@@ -110,24 +114,33 @@ sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
 sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'clogged', 'when in s'], ends)
 
 
+def half_width(error, count):
+    """Of the 95 % interval of the mean, from Student's distribution; NaN from one seed."""
+    return error * (STUDENT[count - 2] if count - 2 < len(STUDENT) else 1.96) if count > 1 else math.nan
+
+
 def interval(mean, error, count):
-    """95 %, from Student's distribution; nothing from one seed."""
-    if count < 2:
-        return '-'
-    half = error * (STUDENT[count - 2] if count - 2 < len(STUDENT) else 1.96)
-    return '%+.4f to %+.4f' % ((mean - half) / 10, (mean + half) / 10)
+    half = half_width(error, count)
+    return '-' if math.isnan(half) else '%+.4f to %+.4f' % ((mean - half) / 10, (mean + half) / 10)
 
 
 if differences:
-    sandglass.table('added', 'What the flow adds to no flow, at the end',
-                    ['case', 'pairs', 'difference in g/cm2', 'standard error', '95 % of the mean', 'over no flow', 'pairs with more'],
+    sandglass.table('added', 'Less %s, seed by seed, at the end' % control_name,
+                    ['case', 'pairs', 'difference in g/cm2', 'standard error', '95 % of the mean', 'over ' + control_name, 'pairs with more'],
                     [[case, len(extra), '%+.4f' % (mean / 10), '-' if math.isnan(error) else '%.4f' % (error / 10), interval(mean, error, len(extra)),
                       '%+.0f %%' % (100 * mean / control) if control else '-', '%d of %d' % ((extra > 0).sum(), len(extra))]
                      for case, _, mean, error, extra, control in differences])
-coupled = [one for one in differences if one[0].startswith('coupled')]
-sandglass.quantity('added_by_coupling', coupled[0][2] if coupled else None, 'kg/m2',
-                   'eroded mass per area of the first coupled case less that without flow, mean over seeds')
-sandglass.quantity('added_by_coupling_error', coupled[0][3] if coupled and not math.isnan(coupled[0][3]) else None, 'kg/m2', 'its standard error')
+if control_of == 'drag':
+    coupled = [one for one in differences if one[0].startswith('coupled')]
+    sandglass.quantity('added_by_coupling', coupled[0][2] if coupled else None, 'kg/m2',
+                       'eroded mass per area of the first coupled case less that without flow, mean over seeds')
+    sandglass.quantity('added_by_coupling_error', coupled[0][3] if coupled and not math.isnan(coupled[0][3]) else None, 'kg/m2', 'its standard error')
+else:
+    for case, _, mean, error, extra, _ in differences:
+        half = half_width(error, len(extra))
+        sandglass.quantity('engines_apart', None if math.isnan(half) or not half else abs(mean) / half, '1',
+                           'mean difference of eroded mass over half its 95 %% interval, %s against %s: below 1 it cannot be told from none'
+                           % (case, control_name))
 told = [course.clogged for courses in cases.values() for course in courses if course.clogged is None or not math.isnan(course.clogged)]
 sandglass.quantity('clogged_share', sum(one is not None for one in told) / len(told) if told else None, '1', 'of all runs long enough to tell')
 sandglass.quantity('beads_unaccounted_max', max(point.quantities['beads_unaccounted'] for point in points), '1', 'of all points')

@@ -23,9 +23,9 @@ class BandsTest(unittest.TestCase):
         self.addCleanup(self.place.cleanup)
         self.rows = []
 
-    def add(self, drag, seed, eroded, exit_code=0, planned=None):
+    def add(self, drag, seed, eroded, exit_code=0, planned=None, dem="lammps"):
         """`planned`: how many windows it was to have, where it ended before them."""
-        run = "%s-%d" % (drag, seed)
+        run = "%s-%s-%d" % (dem, drag, seed)
         folder = os.path.join(self.place.name, "points", run)
         os.makedirs(folder)
         windows = len(eroded)
@@ -38,15 +38,16 @@ class BandsTest(unittest.TestCase):
         self.rows.append({
             "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
             "run": os.path.join("..", "points", run), "exit_code": exit_code,
-            "parameters": {"drag": drag, "seed": seed, "dem": "lammps", "cells": 5, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
+            "parameters": {"drag": drag, "seed": seed, "dem": dem, "cells": 5, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
             "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
 
-    def analyse(self, clogged_below=0.1, clogged_for=1.0):
+    def analyse(self, control_of="drag", control="none"):
         work = os.path.join(self.place.name, "summary", "stages", "bands")
         os.makedirs(work)
         write(os.path.join(self.place.name, "summary", "points.json"), json.dumps({"points": self.rows}))
         script = write(os.path.join(work, "bands.py"),
-                       render("analysis/erosion_bands.py", {"clogged_below": clogged_below, "clogged_for": clogged_for}))
+                       render("analysis/erosion_bands.py", {"control_of": control_of, "control": control,
+                                                                  "clogged_below": 0.1, "clogged_for": 1.0}))
         done = subprocess.run([sys.executable, "-W", "error", script], cwd=work, env=dict(os.environ, PYTHONPATH=PYTHON),
                               capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -73,6 +74,17 @@ class BandsTest(unittest.TestCase):
         self.add("none", 1, [10] * 8)
         self.add("coupled", 2, [10] * 8)
         self.assertIsNone(self.analyse()["quantities"]["added_by_coupling"]["value"])
+
+    def test_programs_are_compared_seed_by_seed(self):
+        for seed, base, more in ((1, 10, 1), (2, 100, -2), (3, 1000, 6)):
+            self.add("coupled", seed, [base] * 8)
+            self.add("coupled", seed, [base] * 7 + [base + more], dem="yade")
+        result = self.analyse("dem", "lammps")
+        extra = numpy.array([1, -2, 6])
+        self.assertAlmostEqual(result["quantities"]["engines_apart"]["value"],
+                               extra.mean() / (4.303 * extra.std(ddof=1) / math.sqrt(3)), delta=1e-12)
+        self.assertNotIn("added_by_coupling", result["quantities"])
+        self.assertEqual(result["tables"][1]["rows"][0][:2], ["coupled, 5 cells (YADE)", "3"])
 
     def test_clogging_and_when(self):
         # Two windows are the time looked at: the fifth and the sixth have together a tenth of 20 less one.
