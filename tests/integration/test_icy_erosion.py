@@ -5,6 +5,7 @@ numerical integration, and forces.
 """
 
 import csv
+import json
 import math
 import os
 import signal
@@ -27,7 +28,7 @@ OPTIONS = dict(scale=("small", "reduced", "full"), dem=("yade", "lammps"), drag=
                drag_follows=("bead", "place"), reinsertion=("true", "false"), sides=("walls", "periodic"), cells=("2", "5", "10"),
                flow_dimension=("1", "2", "3"), cell_borders=("cut", "centre"), conductivity_profile=("linear", "constant"), cell_top=("40.6 mm",),
                head=("1 m",), head_history=("constant", "ramp", "test_971121"), damping=("0.2",), friction_angle=("26 deg",),
-               window=("0.1 s", "4 s"), end_time=("2 s",), seed=("7",), ranks=("2",), test=("950123", "run2_400kPa"))
+               window=("0.1 s", "4 s"), end_time=("2 s",), seed=("7",), ranks=("2",), prepared_by=("yade", "lammps"), test=("950123", "run2_400kPa"))
 
 
 def conductivity(porosity, surface):
@@ -325,6 +326,19 @@ class Options(Case):
         ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic"), out="narrow", seconds=HANG)
         self.assert_code(ended, PARTICIPANT)
         self.assertIn("YADE needs a section of more than two coarse beads", ended.err)
+
+    @unittest.skipUnless(LAMMPS, "LAMMPS is not installed: ./sandglass setup lammps")
+    def test_both_programs_move_one_specimen(self):
+        few = dict(scale="small", fine_beads=300, layer_porosity=0.95, window="2 ms", end_time="2 ms", prepared_by="lammps")
+        made = []
+        for dem in ("lammps", "yade"):
+            ended = self.sandglass("run", WORKFLOW, *sets(dem=dem, **few), out="from-one-" + dem, seconds=HANG)
+            self.assert_code(ended, DONE)
+            solvers = {solver["name"] for solver in json.loads(read(ended.path("provenance.json")))["solvers"]}
+            self.assertLessEqual({"lammps", dem}, solvers)
+            with open(ended.path("stages", "specimen", "specimen.h5"), "rb") as file:
+                made.append(file.read())
+        self.assertEqual(*made)
 
     def test_a_wall_that_meets_a_coarse_bead_stops_there_and_says_so(self):
         """300 fine beads fill the hollows between the coarse ones and make no layer."""
