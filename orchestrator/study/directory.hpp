@@ -33,11 +33,11 @@ struct Outcome {
 /// | --- | --- |
 /// | study.json | its points, for `status` and `compare` |
 /// | points/POINT/ | run directories |
-/// | replaced/POINT/ | the run before, whose place another one has taken: hours of windows may be
-/// in it | | made_of/POINT.json | what the run in points/ was started from | | logs/POINT.log |
-/// what the run said | | memory.json, seen.json | how files looked; what the last complete call
-/// found | | summary/ | the report of the study, a run directory itself: points.json, points.csv,
-/// ... |
+/// | replaced/POINT/ | the run before, whose place that one has taken |
+/// | made_of/POINT.json | what the run in points/ was started from |
+/// | logs/POINT.log | what the run said |
+/// | memory.json, seen.json | how files looked; what the last complete call found |
+/// | summary/ | the report of the study, a run directory itself: points.json, points.csv, ... |
 class StudyDirectory {
  public:
   explicit StudyDirectory(std::string path) : path_(std::move(path)) {}
