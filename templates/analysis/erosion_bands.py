@@ -1,5 +1,5 @@
 # The erosion test over seeds: bands of eroded mass per case, how far cases are from their control (no flow, or the other
-# program) seed by seed, and which runs clog, and when.
+# program) seed by seed, which runs clog, and when, and how strong the flow becomes in them.
 import math
 import statistics
 
@@ -22,7 +22,11 @@ if not points:
 
 
 class Course:
-    """One run, to its planned end: time (s), eroded mass per area (kg/m2), and when it clogged (s; None: not, NaN: too short to tell)."""
+    """One run, to its planned end: time (s), eroded mass per area (kg/m2), and when it clogged (s; None: not, NaN: too short to tell).
+
+    drag: of the cell where it is largest, over the buoyant weight of the beads in it, when each window but the first begins;
+    None where the flow does not follow the beads.
+    """
 
     def __init__(self, point):
         record = point.record()
@@ -40,11 +44,26 @@ class Course:
         if len(stretches) > windows:
             below = [k for k in range(windows, len(stretches)) if stretches[k] < clogged_below * stretches[: k - windows + 1].max()]
             self.clogged = self.time[below[0]] if below else None
+        self.drag = None
+        if point.parameters['drag'] == 'coupled' and record.windows > 1:
+            drag = strongest_drag(record, point.parameters)
+            self.drag = numpy.append(drag, numpy.full(len(self.time) - 2 - len(drag), drag[-1]))
 
     @property
     def control(self):
         """What a run must share with this one to be its control."""
         return self.seed, self.point.parameters['drag' if control_of == 'dem' else 'dem'], len(self.time)
+
+
+def strongest_drag(record, given):
+    """The largest of the cells' drags over the buoyant weight of their beads, at the begin of every window but the first.
+
+    What a cell's beads weigh then is what they weighed when the window before ended; before the first, only the specimen knows.
+    """
+    porosity = record['porosity'][:-1]
+    volume = (1 - porosity) * given['cell_top'] / given['cells']                            # m3 per m2
+    weight = volume * (given['density'] - given['fluid_density']) * given['gravity']        # Pa
+    return (record['pressure_difference'][1:] / numpy.where(weight > 0, weight, math.inf)).max(axis=1)
 
 
 def name_of(point):
@@ -62,12 +81,20 @@ def short(name):
     return '_'.join(''.join(letter if letter.isalnum() else ' ' for letter in name).split())
 
 
-bands, ends, differences, going = [], [], [], []
+def band(name, case, time, values, unit, y_name):
+    """Three curves: the lowest, the median and the highest of the values [seeds, times]."""
+    return [sandglass.curve('%s_%s' % (name, what), time, of(values, axis=0), 's', unit, case, 'computed', y_name=y_name)
+            for what, of in (('lowest', numpy.min), ('median', numpy.median), ('highest', numpy.max))]
+
+
+bands, drags, ends, differences, going = [], [], [], [], []
 for case, courses in cases.items():
     time = min((course.time for course in courses), key=len)
     masses = numpy.array([course.mass[: len(time)] for course in courses])
-    for what, values in (('lowest', masses.min(axis=0)), ('median', numpy.median(masses, axis=0)), ('highest', masses.max(axis=0))):
-        bands.append(sandglass.curve('%s_%s' % (short(case), what), time, values, 's', 'kg/m2', case, 'computed', y_name='eroded_mass_per_area'))
+    bands += band(short(case), case, time, masses, 'kg/m2', 'eroded_mass_per_area')
+    strengths = [course.drag[: len(time) - 2] for course in courses if course.drag is not None]
+    if strengths:
+        drags += band('drag_' + short(case), case, time[1:-1], numpy.array(strengths), '1', 'drag_over_weight')
     clogged = [course.clogged for course in courses]
     told = [when for when in clogged if when is None or not math.isnan(when)]
     when = sorted(when for when in told if when is not None)
@@ -82,7 +109,7 @@ for case, courses in cases.items():
     pairs = [(course, controls[course.control]) for course in courses if course.control in controls and controls[course.control] is not course]
     if not pairs:
         continue
-    extra = numpy.array([course.mass[: len(time)] - control.mass[: len(time)] for course, control in pairs])
+    extra = numpy.array([course.mass[: len(time)] - without.mass[: len(time)] for course, without in pairs])
     count = len(extra)
     error = extra.std(axis=0, ddof=1) / math.sqrt(count) if count > 1 else numpy.full(len(time), math.nan)
     mean = extra.mean(axis=0)
@@ -90,7 +117,7 @@ for case, courses in cases.items():
     every = max(1, len(time) // 24)
     differences.append((case, sandglass.curve('added_' + short(case), time[::every], mean[::every], 's', 'kg/m2', case, 'computed',
                                               y_name='difference', y_error=error[::every]), mean[-1], error[-1], extra[:, -1],
-                        statistics.mean(control.mass[-1] for _, control in pairs)))
+                        statistics.mean(without.mass[-1] for _, without in pairs)))
 
 # What ICY printed of its Figure 7, where the runs come near it.
 printed = []
@@ -105,6 +132,9 @@ panels = [dict(title='lowest, median and highest over seeds', y='eroded mass per
 if differences:
     panels.append(dict(title='less %s, seed by seed' % control_name, y='difference of eroded mass per area', y_unit='g/cm2',
                        curves=[one[1] for one in differences], marks=[dict(axis='y', value=0.0, label=control_name)]))
+if drags:
+    panels.append(dict(title='the cell where the drag is largest', y='drag over buoyant weight of its beads', curves=drags,
+                       marks=[dict(axis='y', value=1.0, label='weight')]))
 if any(row[-1] != '-' for row in ends):
     panels.append(dict(title='runs that have not clogged', y='share of the runs', curves=going))
 sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
@@ -128,8 +158,8 @@ if differences:
     sandglass.table('added', 'Less %s, seed by seed, at the end' % control_name,
                     ['case', 'pairs', 'difference in g/cm2', 'standard error', '95 % of the mean', 'over ' + control_name, 'pairs with more'],
                     [[case, len(extra), '%+.4f' % (mean / 10), '-' if math.isnan(error) else '%.4f' % (error / 10), interval(mean, error, len(extra)),
-                      '%+.0f %%' % (100 * mean / control) if control else '-', '%d of %d' % ((extra > 0).sum(), len(extra))]
-                     for case, _, mean, error, extra, control in differences])
+                      '%+.0f %%' % (100 * mean / without) if without else '-', '%d of %d' % ((extra > 0).sum(), len(extra))]
+                     for case, _, mean, error, extra, without in differences])
 if control_of == 'drag':
     coupled = [one for one in differences if one[0].startswith('coupled')]
     sandglass.quantity('added_by_coupling', coupled[0][2] if coupled else None, 'kg/m2',

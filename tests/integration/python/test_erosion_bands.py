@@ -23,8 +23,8 @@ class BandsTest(unittest.TestCase):
         self.addCleanup(self.place.cleanup)
         self.rows = []
 
-    def add(self, drag, seed, eroded, exit_code=0, planned=None, dem="lammps"):
-        """`planned`: how many windows it was to have, where it ended before them."""
+    def add(self, drag, seed, eroded, exit_code=0, planned=None, dem="lammps", flow=None):
+        """`planned`: how many windows it was to have, where it ended before them. `flow`: porosities and pressure differences."""
         run = "%s-%s-%d" % (dem, drag, seed)
         folder = os.path.join(self.place.name, "points", run)
         os.makedirs(folder)
@@ -35,10 +35,14 @@ class BandsTest(unittest.TestCase):
             file["windows"] = numpy.array([windows])
             file["time"] = WINDOW * numpy.array([[n, n + 1] for n in range(windows)])
             file["fields/eroded"] = numpy.array(eroded, dtype=float)[:, None]
+            cells = ([[0.4] * 5] * windows, [[1.0] * 5] * windows) if flow is None else flow
+            for name, values in zip(("porosity", "pressure_difference"), cells):
+                file["fields/" + name] = numpy.array(values)
         self.rows.append({
             "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
             "run": os.path.join("..", "points", run), "exit_code": exit_code,
-            "parameters": {"drag": drag, "seed": seed, "dem": dem, "cells": 5, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
+            "parameters": {"drag": drag, "seed": seed, "dem": dem, "cells": 5, "cell_top": 0.05, "density": 2500.0, "fluid_density": 1000.0,
+                           "gravity": 10.0, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
             "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
 
     def analyse(self, control_of="drag", control="none"):
@@ -103,6 +107,17 @@ class BandsTest(unittest.TestCase):
         self.assertEqual(result["curves"]["coupled_5_cells_LAMMPS_median"]["y"]["values"], [UNIT * n for n in (0, 10, 20, 30, 30, 30, 30, 30, 30)])
         self.assertEqual(result["quantities"]["added_by_coupling"]["value"], -50 * UNIT)
         self.assertEqual(result["tables"][0]["rows"][1][-2:], ["1 of 1", "1.5"])
+
+    def test_drag_over_weight_of_the_strongest_cell(self):
+        # Cells of 10 mm under 10 m/s2 with a porosity of 0.4: 90 Pa of buoyant weight. A cell without beads has no drag to speak of.
+        self.add("none", 1, [10] * 4)
+        self.add("coupled", 1, [10, 10, 10], planned=4, flow=(
+            [[0.4, 0.4, 0.4, 0.4, 1.0], [0.4, 0.7, 0.4, 0.4, 1.0], [0.1] * 5],
+            [[9e9] * 5, [9.0, 45.0, 18.0, 9.0, 9e9], [45.0, 45.0, 9.0, 9.0, 9e9]]))
+        curve = self.analyse()["curves"]["drag_coupled_5_cells_LAMMPS_median"]
+        self.assertEqual(curve["x"]["values"], [0.5, 1.0, 1.5])
+        for value, wanted in zip(curve["y"]["values"], [0.5, 1.0, 1.0]):  # the last window is one that the run did not need
+            self.assertAlmostEqual(value, wanted, delta=1e-12)
 
     def test_too_short_to_tell(self):
         self.add("none", 1, [10, 0, 0])
