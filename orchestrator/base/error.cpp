@@ -64,8 +64,8 @@ Error Error::refused(std::vector<Problem> problems) {
 Error Error::participant(std::string what, std::string remedy, std::string detail) {
   return {ExitCode::participant, {{{}, std::move(what), std::move(remedy), std::move(detail)}}};
 }
-Error Error::unstable(std::string what, std::string remedy) {
-  return {ExitCode::unstable, {{{}, std::move(what), std::move(remedy)}}};
+Error Error::unstable(std::string what, std::string remedy, std::string detail) {
+  return {ExitCode::unstable, {{{}, std::move(what), std::move(remedy), std::move(detail)}}};
 }
 Error Error::mismatch(std::string what, std::string remedy) {
   return {ExitCode::mismatch, {{{}, std::move(what), std::move(remedy)}}};

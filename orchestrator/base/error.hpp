@@ -49,7 +49,7 @@ class Error : public std::runtime_error {
   static Error refused(Place place, std::string what, std::string remedy = {});
   static Error refused(std::vector<Problem> problems);
   static Error participant(std::string what, std::string remedy = {}, std::string detail = {});
-  static Error unstable(std::string what, std::string remedy = {});
+  static Error unstable(std::string what, std::string remedy = {}, std::string detail = {});
   static Error mismatch(std::string what, std::string remedy = {});
   static Error environment(std::string what, std::string remedy = {});
   static Error interrupted(std::string what);

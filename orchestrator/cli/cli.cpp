@@ -1,10 +1,13 @@
 #include "cli/cli.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <exception>
 
+#include "cli/terminal.hpp"
 #include "run/home.hpp"
 
 namespace sandglass::cli {
@@ -17,7 +20,17 @@ constexpr const char* kExitCodes =
 
 void print_error(const Error& error) {
   for (const Problem& problem : error.problems()) {
-    fmt::print(stderr, "sandglass: {}\n", problem.text());
+    tell("sandglass: {}\n", problem.text());
+  }
+}
+
+/// The first files that a program opens would else take the places of streams that were closed, and
+/// messages would go into them.
+void hold_standard_streams() {
+  while (true) {
+    const int descriptor = ::open("/dev/null", O_RDWR);
+    if (descriptor > STDERR_FILENO) ::close(descriptor);
+    if (descriptor < 0 || descriptor > STDERR_FILENO) return;
   }
 }
 
@@ -69,6 +82,7 @@ workflow::LoadOptions WorkflowOptions::load_options() const {
 workflow::Workflow WorkflowOptions::load() const { return workflow::load(file, load_options()); }
 
 int main_program(int argc, char** argv) {
+  hold_standard_streams();
   CLI::App app{"Sandglass: coupled grain-continuum simulations from one YAML workflow"};
   app.name("sandglass");
   app.set_version_flag("--version", "sandglass " SANDGLASS_VERSION);
@@ -106,7 +120,7 @@ int main_program(int argc, char** argv) {
     print_error(error);
     return static_cast<int>(error.code());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "sandglass: {}\n", error.what());
+    tell("sandglass: {}\n", error.what());
     return static_cast<int>(ExitCode::environment);
   }
 }

@@ -57,7 +57,7 @@ ExitCode execute(const Options& options, const std::vector<std::string>& command
 }  // namespace
 
 ExitCode show_ended(const run::Ended& ended) {
-  if (!ended.error.empty()) fmt::print(stderr, "sandglass: {}\n", ended.error);
+  if (!ended.error.empty()) tell("sandglass: {}\n", ended.error);
   if (ended.code == ExitCode::done || ended.code == ExitCode::mismatch) show_result(ended);
   fmt::print("result  {}/result.json\n", ended.directory);
   if (!ended.report.empty()) fmt::print("report  {}\n", ended.report);

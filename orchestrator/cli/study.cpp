@@ -31,10 +31,9 @@ std::string count(std::size_t number, const std::string& thing) {
 void show_blemishes(const char* title, const std::vector<study::Blemish>& blemishes) {
   constexpr std::size_t most = 10;
   for (std::size_t i = 0; i < std::min(most, blemishes.size()); ++i) {
-    fmt::print(stderr, "{}  {}: {}\n", title, blemishes[i].point, blemishes[i].error);
+    tell("{}  {}: {}\n", title, blemishes[i].point, blemishes[i].error);
   }
-  if (blemishes.size() > most)
-    fmt::print(stderr, "{}  and {} more\n", title, blemishes.size() - most);
+  if (blemishes.size() > most) tell("{}  and {} more\n", title, blemishes.size() - most);
 }
 
 ExitCode show(const study::Ended& ended, double seconds) {
@@ -48,8 +47,7 @@ ExitCode show(const study::Ended& ended, double seconds) {
   }
   show_blemishes("outside", ended.outside);
   show_blemishes("FAILED ", ended.failed);
-  if (!ended.error.empty())
-    fmt::print(stderr, "sandglass: the study's own stages: {}\n", ended.error);
+  if (!ended.error.empty()) tell("sandglass: the study's own stages: {}\n", ended.error);
   fmt::print("result  {}/summary/result.json\n", ended.directory);
   if (!ended.report.empty()) fmt::print("report  {}\n", ended.report);
   return ended.code;
@@ -60,10 +58,10 @@ ExitCode execute(const study::Options& options) {
   const double start = clock.now();
   study::Listener listener;
   listener.started = [&](const std::string& point) {
-    fmt::print(stderr, "{:>8}  begin {}\n", duration_text(clock.now() - start), point);
+    tell("{:>8}  begin {}\n", duration_text(clock.now() - start), point);
   };
   listener.ended = [&](const std::string& point) {
-    fmt::print(stderr, "{:>8}  end   {}\n", duration_text(clock.now() - start), point);
+    tell("{:>8}  end   {}\n", duration_text(clock.now() - start), point);
   };
   run::Silence silence;
   const study::Ended ended = study::execute(options, run::Home::find(), listener, silence);

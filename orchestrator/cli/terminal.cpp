@@ -43,13 +43,13 @@ TerminalStatus::TerminalStatus()
 TerminalStatus::~TerminalStatus() { erase(); }
 
 void TerminalStatus::erase() {
-  if (line_open_) fmt::print(stderr, "\r\033[K");
+  if (line_open_) tell("\r\033[K");
   line_open_ = false;
 }
 
 void TerminalStatus::begin(const run::Progress& progress) {
   erase();
-  fmt::print(stderr, "{:>8}  {}\n", duration_text(progress.elapsed), progress.stage);
+  tell("{:>8}  {}\n", duration_text(progress.elapsed), progress.stage);
   shown_at_ = progress.elapsed;
 }
 
@@ -59,18 +59,18 @@ void TerminalStatus::window(const run::Progress& progress) {
   const std::string text =
       fmt::format("{:>8}  {}", duration_text(progress.elapsed), progress_text(progress));
   if (terminal_ && progress.window != progress.windows) {
-    fmt::print(stderr, "\r\033[K{}", text);
+    tell("\r\033[K{}", text);
     std::fflush(stderr);
     line_open_ = true;
   } else {
     erase();
-    fmt::print(stderr, "{}\n", text);
+    tell("{}\n", text);
   }
 }
 
 void TerminalStatus::say(const std::string& text) {
   erase();
-  fmt::print(stderr, "          {}\n", text);
+  tell("          {}\n", text);
 }
 
 }  // namespace sandglass::cli

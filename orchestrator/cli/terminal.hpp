@@ -1,10 +1,22 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <string>
+#include <utility>
 
 #include "run/status.hpp"
 
 namespace sandglass::cli {
+
+/// Writes to standard error. That it has gone, a terminal closed or a disk full, is no reason to
+/// end what runs.
+template <typename... Values>
+void tell(fmt::format_string<Values...> text, Values&&... values) {
+  const std::string all = fmt::format(text, std::forward<Values>(values)...);
+  static_cast<void>(std::fwrite(all.data(), 1, all.size(), stderr));
+}
 
 /// Shows a run's progress: one live line on a terminal, plain lines otherwise.
 class TerminalStatus final : public run::Status {

@@ -32,8 +32,9 @@ bool all_finite(std::span<const double> values) {
   return std::accumulate(sums.begin(), sums.end(), 0.0) == 0.0;
 }
 
-template <typename What>
-void require_finite(std::span<const double> values, What what) {
+/// `what` and `log` are asked for a message only.
+template <typename What, typename Log>
+void require_finite(std::span<const double> values, What what, Log log) {
   if (all_finite(values)) return;
   const auto bad =
       std::find_if_not(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
@@ -42,7 +43,8 @@ void require_finite(std::span<const double> values, What what) {
                   std::isnan(*bad) ? "a value that is not a number" : "an infinite value",
                   std::distance(values.begin(), bad)),
       "a shorter window, or better conditioned parameters, may keep the run stable; the record "
-      "holds every window before this one");
+      "holds every window before this one",
+      log());
 }
 
 double norm(std::span<const double> values) {
@@ -158,7 +160,6 @@ Done Engine::window(std::int64_t index) {
 std::vector<Oscillation> Engine::oscillations() const {
   std::vector<Oscillation> found;
   for (std::size_t f = 0; f < states_.size(); ++f) {
-    if (plan_.fields[f].to == kNobody) continue;
     if (const auto one = states_[f].watch.oscillation()) {
       found.push_back({plan_.fields[f].name, *one});
     }
@@ -219,6 +220,8 @@ std::pair<std::size_t, double> Engine::worst_residual() const {
 void Engine::watch(std::int64_t window) {
   for (std::size_t f = 0; f < states_.size(); ++f) {
     if (plan_.fields[f].name == plan_.rest.field) rest_watch_.observe(states_[f].sent);
+    // What nobody receives is in no loop that could make it grow: it may count something.
+    if (plan_.fields[f].to == kNobody) continue;
     const auto found = states_[f].watch.observe(states_[f].sent);
     if (!found) continue;
     throw Error::unstable(
@@ -322,9 +325,10 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
   const auto from = [&] {
     return fmt::format("participant {}, window {}", partners_[field.from]->name(), window);
   };
+  const auto log = [&] { return partners_[field.from]->end_of_log(); };
   if (!sent.shape.empty() && sent.shape[0] < 0) {
     throw Error::participant(fmt::format("{}: field '{}' was not sent", from(), field.name),
-                             "its script must send it before the end of every window");
+                             "its script must send it before the end of every window", log());
   }
   const bool fits =
       sent.shape.size() == field.shape.size() &&
@@ -335,18 +339,19 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
         fmt::format("{}: field '{}' was sent with shape {}, but the workflow says {}{}", from(),
                     field.name, text_of(sent.shape), field.variable ? "at most " : "",
                     text_of(field.shape)),
-        "change the script or the field's 'shape'");
+        "change the script or the field's 'shape'", log());
   }
   State& state = states_[f];
-  require_finite(sent.values, [&] { return fmt::format("{}: field '{}'", from(), field.name); });
+  require_finite(
+      sent.values, [&] { return fmt::format("{}: field '{}'", from(), field.name); }, log);
   state.sent.assign(sent.values.begin(), sent.values.end());
   state.sent_shape = sent.shape;
   std::vector<double> next;
   if (field.transform) {
     next = field.transform(state.sent, state.sent_shape, state.received_shape);
-    require_finite(next, [&] {
-      return fmt::format("{}: field '{}' after its transform", from(), field.name);
-    });
+    require_finite(
+        next, [&] { return fmt::format("{}: field '{}' after its transform", from(), field.name); },
+        log);
   } else if (field.mapping) {
     std::vector<Field::Newest> inputs;
     for (const std::size_t input : field.inputs) {

@@ -43,6 +43,8 @@ class Partner {
   virtual void restore() = 0;
   /// Seconds it has worked on its last window, by its own account.
   [[nodiscard]] virtual double seconds() const = 0;
+  /// The end of what it has logged, for messages; may be empty.
+  [[nodiscard]] virtual std::string end_of_log() const { return {}; }
 };
 
 /// A field that crosses between partners.

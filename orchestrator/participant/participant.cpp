@@ -162,17 +162,23 @@ void Participant::checkpoint(const std::string& path) {
 }
 
 void Participant::go_on_from(const std::string& path, std::int64_t window) {
-  if (!std::filesystem::exists(path)) return;
+  const bool there = std::filesystem::exists(path);
   if (description_.fresh) {
-    copy_state(path, state_path(window));
-  } else {
+    // Whether one is needed is known when it has started.
+    if (there) copy_state(path, state_path(window));
+  } else if (there) {
     read_state(path);
+  } else if (!abilities_.contains("stateless")) {
+    throw failure(fmt::format("has no state to go on from: there is no '{}'", path), "run anew");
   }
 }
 
 void Participant::write_state(const std::string& path) {
   say("checkpoint " + path);
   hear_ok("checkpoint");
+  if (std::filesystem::exists(path)) return;
+  throw failure(fmt::format("answered 'checkpoint' but left nothing at '{}'", path),
+                "its script must write its state there, or not say that it has the ability 'disk'");
 }
 
 void Participant::read_state(const std::string& path) {

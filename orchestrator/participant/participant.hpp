@@ -38,6 +38,7 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
+  [[nodiscard]] const std::string& log() const { return description_.command.log; }
   [[nodiscard]] const std::string& name() const { return description_.name; }
   [[nodiscard]] exchange::Slot& slot() { return slot_; }
   [[nodiscard]] const std::vector<exchange::FieldLayout>& outputs() const {
@@ -58,7 +59,8 @@ class Participant {
   /// Writes its state behind the window that was done last, and goes on from what a reader of it
   /// would have. A participant without a state writes nothing.
   void checkpoint(const std::string& path);
-  /// Takes the state that `checkpoint` wrote behind this window; nothing where it wrote nothing.
+  /// Takes the state that `checkpoint` wrote behind this window; nothing where there is no state to
+  /// have.
   void go_on_from(const std::string& path, std::int64_t window);
   /// Executes this script from the next window on.
   void use_window_script(const std::string& path);

@@ -34,7 +34,11 @@ void Interrupt::install() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(number, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
+  // Under nohup a terminal that goes away ends nothing.
+  struct sigaction before {};
+  ::sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
   // A participant that has gone, or a file at its size limit, must show as an error of write(), not
   // end us.
   ::signal(SIGPIPE, SIG_IGN);

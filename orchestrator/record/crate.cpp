@@ -269,7 +269,7 @@ class Crate {
     const std::int64_t windows = result_.value("windows", std::int64_t{0});
     const Json coupling = workflow_.value("coupling", Json::object());
     std::int64_t every = coupling.value("checkpoint_every", std::int64_t{0});
-    if (every <= 0) every = std::max<std::int64_t>(windows, 1);
+    if (every <= 0 || every > windows) every = std::max<std::int64_t>(windows, 1);
     every *= std::max<std::int64_t>(
         1, (windows + every * kMostIntervals - 1) / (every * kMostIntervals));
     const std::vector<double> work = column(name, windows);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 4> kOtherFiles = {"lock", "status.json", "reserve",
                                                          kCrateFile};
-constexpr std::array<std::string_view, 3> kOtherFolders = {"exchange", "work", "tmp"};
+constexpr std::array<std::string_view, 4> kOtherFolders = {"exchange", "work", "tmp", "replay"};
 
 template <typename Names>
 bool is_one_of(const std::string& name, const Names& names) {

@@ -211,7 +211,7 @@ void Record::cut_if_possible() {
     if (std::rename(shorter.c_str(), path_.c_str()) != 0) {
       throw_system_error("rename", shorter, errno);
     }
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     // A full disk most likely, and why the run ended. The long file is as whole: /windows counts.
     std::error_code ignored;
     std::filesystem::remove(path_ + ".part", ignored);
@@ -224,33 +224,45 @@ std::int64_t windows_of(const std::string& path) {
 }
 
 void copy_windows(const std::string& from_path, const std::string& to_path, std::int64_t windows) {
+  struct Piece {
+    std::uint64_t from;
+    hdf5::Location to;
+  };
+  std::vector<Piece> pieces;
   const hdf5::File from(from_path, hdf5::File::Mode::read);
   hdf5::File to(to_path, hdf5::File::Mode::create);
   describe(to);
   to.write("/windows", {1}, std::vector<std::int64_t>{windows});
-  const auto copy_numbers = [&](const std::string& name) {
+  const auto reserve = [&](const std::string& name, hdf5::Type type) {
     hdf5::Shape shape = from.shape(name);
     shape[0] = windows;
-    to.write(name, shape, from.read_numbers(name, windows));
+    pieces.push_back({from.location(name).offset, to.reserve(name, type, shape)});
   };
-  const auto copy_counts = [&](const std::string& name) {
-    to.write(name, {windows}, from.read_counts(name, windows));
-  };
-  const auto each = [&](const std::string& group, const auto& copy) {
+  const auto each = [&](const std::string& group, hdf5::Type type) {
     if (!from.exists(group)) return;
-    for (const std::string& name : from.list(group)) copy(fmt::format("{}/{}", group, name));
+    for (const std::string& name : from.list(group)) {
+      reserve(fmt::format("{}/{}", group, name), type);
+    }
   };
-  copy_numbers("/time");
-  copy_counts("/iterations");
-  each("/timings", copy_numbers);
-  each("/counts", copy_counts);
-  each("/fields", [&](const std::string& name) {
-    copy_numbers(name);
+  reserve("/time", hdf5::Type::float64);
+  reserve("/iterations", hdf5::Type::int64);
+  each("/timings", hdf5::Type::float64);
+  each("/counts", hdf5::Type::int64);
+  each("/fields", hdf5::Type::float64);
+  for (const std::string& field :
+       from.exists("/fields") ? from.list("/fields") : std::vector<std::string>{}) {
     for (const char* attribute : {"unit", "from", "to"}) {
+      const std::string name = "/fields/" + field;
       to.set_attribute(name, attribute, from.text_attribute(name, attribute));
     }
-  });
+  }
   to.close();
+  // In blocks: a field of all windows may be larger than the memory.
+  const Descriptor source(from_path, O_RDONLY);
+  const Descriptor target(to_path, O_WRONLY);
+  for (const Piece& piece : pieces) {
+    copy_bytes(source, piece.from, target, piece.to.offset, piece.to.bytes);
+  }
 }
 
 }  // namespace sandglass::record

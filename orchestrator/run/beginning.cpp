@@ -9,6 +9,7 @@
 #include "base/clock.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "record/crate.hpp"
 #include "run/products.hpp"
 #include "run/scripts.hpp"
 
@@ -47,6 +48,7 @@ Json to_json(const Beginning& beginning) {
           {"settings", settings},
           {"keep_all", beginning.changes.keep_all},
           {"keep", beginning.changes.keep},
+          {"analyses_of", beginning.analyses_of},
           {"templates", record::to_json(beginning.templates)},
           {"data", record::to_json(beginning.data)}};
 }
@@ -137,6 +139,7 @@ Beginning read_beginning(const std::string& directory) {
     }
     beginning.changes.keep_all = json.at("keep_all");
     beginning.changes.keep = json.at("keep");
+    beginning.analyses_of = json.value("analyses_of", "");
     beginning.templates = files_of(json.at("templates"));
     beginning.data = files_of(json.at("data"));
     return beginning;
@@ -144,6 +147,12 @@ Beginning read_beginning(const std::string& directory) {
     throw Error::environment(fmt::format("'{}' cannot be understood: {}", path, problem.what()),
                              "it was altered, or written by another version: run anew");
   }
+}
+
+void begin_analyses(Beginning beginning, const std::string& directory,
+                    const record::RunDirectory& analyses) {
+  beginning.analyses_of = directory;
+  store(beginning, analyses);
 }
 
 void go_on(Beginning& beginning, const record::RunDirectory& directory) {
@@ -174,7 +183,10 @@ void require_unchanged(const Beginning& beginning, const workflow::Workflow& wor
 }
 
 void clear_unfinished(const record::RunDirectory& directory) {
-  std::vector<std::string> unneeded{directory.file("exchange"), directory.file("work")};
+  std::vector<std::string> unneeded;
+  for (const char* name : {"exchange", "work", "result.json", "report.html", record::kCrateFile}) {
+    unneeded.push_back(directory.file(name));
+  }
   if (std::filesystem::exists(directory.file("stages"))) {
     for (const auto& entry : std::filesystem::directory_iterator(directory.file("stages"))) {
       if (!made_in(entry.path().string())) unneeded.push_back(entry.path().string());

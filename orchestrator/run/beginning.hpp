@@ -21,6 +21,7 @@ struct Beginning {
   workflow::Changes changes;
   std::vector<record::UsedFile> templates;  ///< relative to the project
   std::vector<record::UsedFile> data;
+  std::string analyses_of;  ///< in a folder of `analyse`: the run whose record it holds
 };
 
 /// Makes and stores the beginning of a new run; workflow.yaml is in the directory already.
@@ -28,6 +29,9 @@ Beginning begin_run(const workflow::Workflow& workflow, const Home& home,
                     const std::vector<std::string>& command, const record::RunDirectory& directory);
 /// Throws Error::environment when `directory` is no run directory, or nothing was begun in it.
 Beginning read_beginning(const std::string& directory);
+/// The same of a folder that holds the analyses of the run in `directory`.
+void begin_analyses(Beginning beginning, const std::string& directory,
+                    const record::RunDirectory& analyses);
 /// Stores that the run goes on now.
 void go_on(Beginning& beginning, const record::RunDirectory& directory);
 
@@ -38,7 +42,7 @@ workflow::Workflow load_again(const Beginning& beginning, const Home& home,
 void require_unchanged(const Beginning& beginning, const workflow::Workflow& workflow,
                        const Home& home);
 /// Removes what a run that ended before its time has left and nobody needs: slots, work
-/// directories, and stages that did not come to their end.
+/// directories, stages that did not come to their end, and what was said of its end.
 void clear_unfinished(const record::RunDirectory& directory);
 
 /// The files below data/ that stages, participants and comparisons name.

@@ -79,6 +79,9 @@ class CoupledRun {
       start();
       loop(progress);
       for (auto& participant : participants_) participant->stop();
+    } catch (const Error& error) {
+      finish_after(error, rendered_before);
+      throw;
     } catch (...) {
       finish(rendered_before);
       throw;
@@ -89,8 +92,9 @@ class CoupledRun {
  private:
   void start() {
     const double start = clock_.now();
+    outcome_.windows = outcome_.windows_taken = span_.behind;
+    outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
     for (const std::string& name : coupling_.order) add(name);
-    open_record();
     for (std::size_t p = 0; p < participants_.size(); ++p) {
       if (!fresh_[p]) participants_[p]->start();
     }
@@ -100,6 +104,8 @@ class CoupledRun {
     require_abilities();
     require_stateless(false);
     if (span_.behind > 0) go_on();
+    // Last: where there is one already, it takes that one's place.
+    open_record();
     outcome_.start_seconds = clock_.now() - start;
   }
 
@@ -114,9 +120,6 @@ class CoupledRun {
     memory_ = std::move(state.arrays);
     if (span_.keeps_record) {
       outcome_ = outcome_of_record(coupling_, directory_.file("record.h5"), span_.behind);
-    } else {
-      outcome_.windows = outcome_.windows_taken = span_.behind;
-      outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
     }
     outcome_.elapsed_before = state.elapsed;  // with what lies between windows
   }
@@ -237,7 +240,9 @@ class CoupledRun {
       coupling::Memory memory(std::move(memory_));
       engine.remember(memory);
     }
-    for (std::int64_t index = span_.behind + 1; index <= until_; ++index) {
+    // One that was resumed may have been ended behind its last window.
+    bool rests = came_to_rest(engine, span_.behind);
+    for (std::int64_t index = span_.behind + 1; !rests && index <= until_; ++index) {
       if (index > span_.behind + 1) use_scripts(index);
       const double began = seconds_since_1970();
       const coupling::Done done = engine.window(index);
@@ -247,10 +252,7 @@ class CoupledRun {
       if (due && index < coupling_.windows) checkpoint(engine, index);
       outcome_.loop_seconds = clock_.now() - start;
       progress(done.window, done.end);
-      if (index < until_ && span_.until == 0 && engine.at_rest()) {
-        outcome_.notes.push_back(note_of_rest(done.end));
-        break;
-      }
+      rests = came_to_rest(engine, index);
     }
     for (const workflow::LeftOut& one : workflow_.left_out) {
       if (!one.unchanged_inputs || !one.active) continue;
@@ -276,13 +278,17 @@ class CoupledRun {
         worst->finding.text()));
   }
 
-  [[nodiscard]] std::string note_of_rest(double end) const {
+  /// Whether the run ends behind this window, before its time; a note says so.
+  bool came_to_rest(const coupling::Engine& engine, std::int64_t window) {
+    if (window >= until_ || span_.until > 0 || !engine.at_rest()) return false;
     const coupling::RestLimits& rest = coupling_.rest;
-    return fmt::format(
+    outcome_.notes.push_back(fmt::format(
         "coupling: field '{}' {} in {} windows one after the other: nothing is left to compute, "
         "the run ended at {} s of {} s",
         rest.field, rest.at_most > 0 ? fmt::format("was at most {}", rest.at_most) : "was 0",
-        rest.windows, shortest(end), shortest(coupling_.end));
+        rest.windows, shortest(static_cast<double>(window) * coupling_.window),
+        shortest(coupling_.end)));
+    return true;
   }
 
   [[nodiscard]] std::string render_for(WindowScript& script, std::int64_t index) const {
@@ -361,6 +367,17 @@ class CoupledRun {
     partners_.clear();
     participants_.clear();
     if (record_) close_record();
+  }
+
+  /// What else goes wrong does not hide the error, but is said with it.
+  void finish_after(const Error& error, double rendered_before) {
+    try {
+      finish(rendered_before);
+    } catch (const Error& late) {
+      std::vector<Problem> problems = error.problems();
+      problems.insert(problems.end(), late.problems().begin(), late.problems().end());
+      throw Error(error.code(), std::move(problems));
+    }
   }
 
   /// What could not be written was not done: the outcome counts what is in the record.

@@ -8,6 +8,7 @@
 #include "coupling/engine.hpp"
 #include "exchange/field.hpp"
 #include "participant/participant.hpp"
+#include "process/process.hpp"
 #include "workflow/model.hpp"
 
 namespace sandglass::run {
@@ -46,6 +47,9 @@ class ParticipantPartner final : public coupling::Partner {
   void save() override { participant_.save(); }
   void restore() override { participant_.restore(); }
   [[nodiscard]] double seconds() const override { return participant_.seconds(); }
+  [[nodiscard]] std::string end_of_log() const override {
+    return sandglass::end_of_log(participant_.log());
+  }
 
  private:
   static std::size_t position(const std::vector<std::size_t>& list, std::size_t field) {

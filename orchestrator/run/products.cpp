@@ -58,7 +58,8 @@ void store_made(const workflow::Stage& stage, const record::RunDirectory& direct
 }
 
 std::optional<Made> made_in(const std::string& folder) {
-  if (!fs::exists(folder + kMade)) return std::nullopt;
+  std::error_code unseen;
+  if (!fs::exists(folder + kMade, unseen)) return std::nullopt;
   try {
     const Json json = Json::parse(read_file(folder + kMade));
     Made made{json.at("made_of"), {}, json.at("seconds"), json.value("taken", false)};
@@ -125,7 +126,11 @@ std::optional<Made> KeptProducts::take(const workflow::Stage& stage, const std::
   std::optional<Made> made = made_in(kept);
   if (!made || made->made_of != made_of) return std::nullopt;
   made->taken = true;
-  copy_made(*made, kept, stage_folder(stage, directory));
+  try {
+    copy_made(*made, kept, stage_folder(stage, directory));
+  } catch (const Error&) {
+    return std::nullopt;  // what cannot be taken is made
+  }
   return made;
 }
 
@@ -135,6 +140,8 @@ void KeptProducts::keep(const workflow::Stage& stage, const std::string& made_of
   const std::optional<Made> made = made_in(stage_folder(stage, directory));
   if (!made) return;
   const std::string kept = folder(stage, made_of);
+  // Another run that made the same may be there already, and a third one copying from it.
+  if (const auto there = made_in(kept); there && there->made_of == made_of) return;
   const std::string unfinished = fmt::format("{}.{}.part", kept, ::getpid());
   std::error_code ignored;
   try {

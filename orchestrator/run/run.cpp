@@ -45,6 +45,12 @@ std::vector<record::UsedProgram> identify_all(const Home& home,
   return used;
 }
 
+void write_report(const std::string& directory, const Home& home) {
+  report::ReportTools tools;
+  tools.templates_root = home.templates();
+  report::write_report(directory, tools);
+}
+
 /// What of a workflow is done.
 enum class Part {
   whole,
@@ -288,9 +294,7 @@ class Run {
   void make_report(Ended& ended) {
     begin("report");
     const double start = clock_.now();
-    report::ReportTools tools;
-    tools.templates_root = home_.templates();
-    report::write_report(directory_.path(), tools);
+    write_report(directory_.path(), home_);
     ended.report = directory_.file("report.html");
     report_seconds_ = clock_.now() - start;
     result_.wall_time_s = wall_time();
@@ -430,12 +434,25 @@ Ended execute(const workflow::Workflow& workflow, const Home& home, const Option
 
 Ended resume(const std::string& path, const Home& home, const Options& options, Status& status) {
   Interrupt::install();
+  // Asked before there is a lock, and again behind it: a folder that is no run's gets none.
+  static_cast<void>(read_beginning(path));
   record::RunDirectory directory = record::RunDirectory::open(path);
   Beginning beginning = read_beginning(directory.path());
+  if (!beginning.analyses_of.empty()) {
+    throw Error::environment(
+        fmt::format("'{}' holds analyses of the run '{}', and no run to go on with", path,
+                    beginning.analyses_of),
+        fmt::format("sandglass analyse {}", beginning.analyses_of));
+  }
   if (std::filesystem::exists(directory.file("result.json"))) {
     const report::Result result = report::read_result(directory.path());
     const auto code = static_cast<ExitCode>(result.exit_code);
     if (code == ExitCode::done || code == ExitCode::mismatch) {
+      // It may have been killed while it was described.
+      if (!std::filesystem::exists(directory.file(record::kCrateFile))) {
+        write_report(directory.path(), home);
+        record::write_crate(directory.path());
+      }
       return {code, result.error, directory.path(), directory.file("report.html"), true};
     }
   }
@@ -461,9 +478,8 @@ Ended analyse(const std::string& path, const Home& home, const Options& options,
   }
   record::RunDirectory directory =
       record::RunDirectory::create(options.out, options.runs, workflow.name + "-analysed");
-  for (const char* name : {"workflow.yaml", "run.json"}) {
-    write_file(directory.file(name), read_file(run / name));
-  }
+  write_file(directory.file("workflow.yaml"), read_file(run / "workflow.yaml"));
+  begin_analyses(beginning, path, directory);
   for (const workflow::Stage& stage : workflow.stages) {
     const std::string made = run / "stages" / stage.name;
     const auto what = made_in(made);

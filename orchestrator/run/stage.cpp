@@ -46,6 +46,10 @@ Exit run_stage(const workflow::Stage& stage, const Home& home,
   command.directory = work;
   command.log = directory.folder("logs") + "/" + stage.name + ".log";
   if (stage.analysis) command.environment["SANDGLASS_RECORD"] = directory.file("record.h5");
+  // A run that was resumed goes on with its log.
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(command.log, none);
+  const std::size_t begin = none ? 0 : static_cast<std::size_t>(size);
   const Exit ended = run_to_end("stage " + stage.name, command, stage.deadline);
   for (const std::string& made : stage.makes) {
     if (!std::filesystem::exists(command.directory + "/" + made)) {
@@ -53,7 +57,7 @@ Exit run_stage(const workflow::Stage& stage, const Home& home,
     }
   }
   if (stage.program == workflow::Program::freefem &&
-      read_file(command.log).find(kFinished) == std::string::npos) {
+      read_file(command.log).find(kFinished, begin) == std::string::npos) {
     fail(stage, command.log, "ended without its end marker (sandglassFinished)");
   }
   return ended;

@@ -1,17 +1,29 @@
 #include "study/directory.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "record/checkpoint.hpp"
+#include "record/record.hpp"
 
 namespace sandglass::study {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+/// A record that cannot be read may hold something all the same.
+bool has_recorded(const std::string& run) {
+  try {
+    return record::windows_of(run + "/record.h5") > 0;
+  } catch (const Error&) {
+    return true;
+  }
+}
 
 }  // namespace
 
@@ -44,7 +56,7 @@ void StudyDirectory::prepare(const std::string& point, const MadeOf& made_of) co
   for (const char* folder : {"points", "made_of", "logs"}) make_directories(file(folder));
   // In this order: what lies in points/POINT is at every moment what made_of/POINT.json says.
   std::error_code error;
-  if (fs::exists(run_of(point) + "/record.h5", error)) keep_replaced(point);
+  if (has_recorded(run_of(point))) keep_replaced(point);
   for (const std::string& old : {run_of(point), log_of(point)}) {
     fs::remove_all(old, error);
     if (error) throw_system_error("remove", old, error.value());
@@ -81,6 +93,15 @@ Outcome StudyDirectory::outcome(const std::string& point) const {
 
 bool StudyDirectory::has_checkpoint(const std::string& point) const {
   return !record::windows_with_checkpoint(run_of(point)).empty();
+}
+
+void StudyDirectory::require_own() const {
+  if (is_study(path_)) return;
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    if (entry.path().filename() == "lock") continue;
+    throw Error::environment(fmt::format("the folder '{}' is not empty, and no study's", path_),
+                             "choose another with --out");
+  }
 }
 
 void StudyDirectory::write(const std::string& study_file, const std::vector<Entry>& entries) const {

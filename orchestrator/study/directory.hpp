@@ -64,6 +64,8 @@ class StudyDirectory {
     bool unstable = false;
   };
   void write(const std::string& study_file, const std::vector<Entry>& entries) const;
+  /// Throws Error::environment when there are other things in the folder, and no study.
+  void require_own() const;
   /// Throws Error::environment when the folder is no study's.
   [[nodiscard]] std::vector<Entry> read() const;
 

@@ -88,13 +88,30 @@ void Ingredients::add_template(MadeOf& made_of, const std::string& path) {
   }
 }
 
-/// The program and the files that an argument vector names.
+/// The program and the files that an argument vector names; of Python's modules, those of ours; of
+/// optional solvers, the list of packages that is installed.
 void Ingredients::add_command(MadeOf& made_of, const std::vector<std::string>& command) {
-  for (std::size_t i = 0; i < command.size(); ++i) {
-    const std::string path = i == 0 ? find_program(command[i]) : command[i];
+  const auto add = [&](const std::string& name, const std::string& path) {
     std::error_code error;
-    if (path.empty() || !std::filesystem::is_regular_file(path, error)) continue;
-    made_of.parts[(i == 0 ? "program " : "file ") + command[i]] = memory_.digest(path);
+    if (path.empty() || !std::filesystem::is_regular_file(path, error)) return;
+    made_of.parts[name] = memory_.digest(path);
+  };
+  const auto add_module = [&](const std::string& module) {
+    const std::string file = "python/" + module + ".py";
+    add("template " + file, home_.templates() + "/" + file);
+  };
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const std::string& word = command[i];
+    if (i == 0) {
+      add("program " + word, find_program(word));
+    } else if (command[i - 1] == "-m") {
+      add_module(word);
+      add_module("sandglass_participant");
+    } else {
+      add("file " + word, word);
+      if (word.find('/') != std::string::npos) continue;
+      add("solver " + word, home_.solver_folder(word) + "/installed");
+    }
   }
 }
 

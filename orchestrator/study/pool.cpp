@@ -19,8 +19,8 @@ constexpr useconds_t kLook = 20'000;
 
 using Children = std::list<std::unique_ptr<Child>>;
 
-/// Runs that are asked to end write down how far they came; those that do not listen are killed by
-/// their destructors.
+/// Runs that are asked to end write down how far they came; those that do not listen within
+/// kPatience are killed by their destructors.
 void end_in_order(Children& children) {
   for (const auto& child : children) ::kill(child->process_id(), SIGTERM);
   const SystemClock clock;
@@ -57,8 +57,8 @@ void run_locally(const std::vector<Task>& tasks, int jobs, const Listener& liste
       running.remove_if([&](const auto& child) { return child.get() == ended; });
       listener.ended(point);
     }
-  } catch (const Error& error) {
-    if (error.code() == ExitCode::interrupted) end_in_order(running);
+  } catch (...) {
+    end_in_order(running);
     throw;
   }
 }

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "process/process.hpp"
@@ -10,6 +12,17 @@ namespace sandglass::study {
 namespace {
 
 constexpr double kLongest = 3e7;  // s, a year: how long a cluster takes is its own affair
+
+/// The number that sbatch gave the job; empty when it took none.
+std::string submitted_job(const std::string& log) {
+  static const std::string said = "Submitted batch job ";
+  std::error_code none;
+  const std::string text = std::filesystem::exists(log, none) ? read_file(log) : std::string();
+  const std::size_t at = text.find(said);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + said.size();
+  return text.substr(begin, text.find_first_not_of("0123456789", begin) - begin);
+}
 
 }  // namespace
 
@@ -40,12 +53,21 @@ void run_by_slurm(const std::vector<Task>& tasks, int jobs, const std::string& n
       fmt::format("--array=0-{}{}", tasks.size() - 1, jobs > 0 ? fmt::format("%{}", jobs) : ""),
       script};
   command.log = folder + "/sbatch.log";
+  // What an earlier call was told is not said of this one.
+  std::error_code none;
+  std::filesystem::remove(command.log, none);
   try {
     run_to_end("sbatch", command, kLongest);
   } catch (const Error& error) {
+    const std::string job = submitted_job(command.log);
+    if (error.code() == ExitCode::interrupted && !job.empty()) {
+      throw Error::interrupted(fmt::format(
+          "interrupted; its job {} goes on: 'scancel {}' ends it, or call again when it has ended",
+          job, job));
+    }
     if (error.code() != ExitCode::participant) throw;
     // It fails as well when a task did: the points themselves say which and why.
-    if (read_file(command.log).find("Submitted batch job") != std::string::npos) return;
+    if (!job.empty()) return;
     Problem problem = error.problems().front();
     problem.remedy =
         "what sbatch needs (partition, account, ...) it also reads from "

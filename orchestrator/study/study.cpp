@@ -170,6 +170,7 @@ class Study {
   }
 
   void run_points(const Listener& listener) {
+    require_none_running();
     write_entries();
     std::vector<Task> tasks;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -231,6 +232,18 @@ class Study {
   [[nodiscard]] const StudyDirectory& directory() const { return directory_; }
 
  private:
+  /// One that somebody else runs or replays: its folder is not ours to move.
+  void require_none_running() const {
+    for (const Prepared& one : points_) {
+      const std::string& name = one.point.name;
+      if (directory_.outcome(name).state != Outcome::State::running) continue;
+      throw Error::environment(
+          fmt::format("point '{}' is in use by another process", name),
+          fmt::format("wait for it ('sandglass status {}' shows it), or end it",
+                      directory_.run_of(name)));
+    }
+  }
+
   static void add_measured(const Outcome& outcome, LeftOut& item) {
     ++item.points;
     if (!outcome.result) return;
@@ -310,7 +323,12 @@ class Study {
 
   /// What was asked for, apart from what is in files.
   [[nodiscard]] std::string call() const {
-    json asked = {fs::absolute(options_.file).string(), options_.load.keep_all, options_.load.keep};
+    json asked = {fs::absolute(options_.file).string(),
+                  options_.load.keep_all,
+                  options_.load.keep,
+                  fs::read_symlink("/proc/self/exe").string(),
+                  home_.root,
+                  home_.build};
     for (const auto& one : options_.load.settings) asked.push_back({one.name, one.text});
     return digest_of_text(asked.dump());
   }
@@ -364,6 +382,7 @@ Ended execute(const Options& options, const run::Home& home, const Listener& lis
   Interrupt::install();
   Study study(options, home);
   make_directories(study.directory().path());
+  study.directory().require_own();
   const auto lock = record::RunDirectory::open(study.directory().path());
   Ended ended;
   if (study.unchanged(ended)) return ended;

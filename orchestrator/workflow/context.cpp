@@ -8,6 +8,8 @@
 namespace sandglass::workflow {
 namespace {
 
+constexpr std::size_t most_variants = 1000;
+
 /// The case for a choice: its own, or `otherwise`.
 const Node* case_for(const Node& cases, const std::string& choice) {
   const Node* own = cases.find(choice);
@@ -64,6 +66,35 @@ const Parameter* chooser(const Scope& scope, const Declared& declared) {
   return parameter;
 }
 
+/// The variants of one choice after the other, what is selected first.
+void add_variants(const Scope& scope, const Declared& declared, std::vector<Variant>& result) {
+  if (result.size() >= most_variants) {
+    if (result.size() == most_variants) {
+      scope.report(declared.place,
+                   fmt::format("its cases within cases are more than {}", most_variants),
+                   "give what differs in parameters");
+      result.push_back({scope, without_cases(*declared.node)});
+    }
+    return;
+  }
+  const Parameter* parameter = chooser(scope, declared);
+  if (!parameter) {
+    result.push_back({scope, effective(*declared.node, scope)});
+    return;
+  }
+  const auto add = [&](const std::string& choice, const Scope& assumed) {
+    Node node = without_cases(*declared.node);
+    const Node* chosen = case_for(*declared.node->find("cases"), choice);
+    if (chosen && chosen->kind == Node::Kind::map) node = merged(node, *chosen);
+    add_variants(assumed, {declared.name, declared.place, &node}, result);
+  };
+  const std::string selected = plain_text(scope.value_of(*parameter));
+  add(selected, scope);
+  for (const std::string& choice : parameter->choices) {
+    if (choice != selected) add(choice, scope.assuming(parameter->name, choice));
+  }
+}
+
 }  // namespace
 
 bool Context::puts_back(const std::string& name) const {
@@ -110,15 +141,8 @@ std::vector<std::string> names_of(const std::vector<Declared>& declared) {
 }
 
 std::vector<Variant> variants_of(const Scope& scope, const Declared& declared) {
-  const Parameter* parameter = chooser(scope, declared);
-  std::vector<Variant> result{{scope, effective(*declared.node, scope)}};
-  if (!parameter) return result;
-  const std::string selected = plain_text(scope.value_of(*parameter));
-  for (const std::string& choice : parameter->choices) {
-    if (choice == selected) continue;
-    const Scope other = scope.assuming(parameter->name, choice);
-    result.push_back({other, effective(*declared.node, other)});
-  }
+  std::vector<Variant> result;
+  add_variants(scope, declared, result);
   return result;
 }
 
@@ -131,7 +155,7 @@ Node effective(const Node& node, const Scope& scope) {
   if (!parameter) return base;
   const Node* chosen = case_for(*cases, plain_text(scope.value_of(*parameter)));
   if (!chosen || chosen->kind != Node::Kind::map) return base;
-  return merged(base, *chosen);
+  return effective(merged(base, *chosen), scope);  // which may choose again
 }
 
 bool applies(const Node& node, const Scope& scope) {

@@ -66,6 +66,7 @@ Json to_json(const Participant& participant) {
           {"given", to_json(participant.given)},
           {"process", participant.lifetime == Lifetime::fresh ? "fresh" : "resident"},
           {"threads", participant.threads},
+          {"ranks", participant.ranks},
           {"deadline_s", participant.deadline}};
 }
 

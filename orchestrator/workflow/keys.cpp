@@ -202,7 +202,9 @@ Key cases_key(std::string of) {
           .partial = true,
           .doc =
               "For every choice (or `otherwise`) the keys that replace or join those beside "
-              "`choose`; `given` is joined name by name. All cases are checked, one is used.",
+              "`choose`; `given` is joined name by name. A case may choose again. All cases are "
+              "checked, one "
+              "is used.",
           .example = "{box: {template: freefem/stokes_box.edp}, otherwise: {...}}"};
 }
 
@@ -339,7 +341,7 @@ Object stage_keys() {
         .fallback = "false",
         .doc = "What it makes is kept, by the digest of its script, its input files and its "
                "program, and taken over by every later run that needs the same. --no-prune NAME "
-               "makes it anew.",
+               "makes it anew. Not of a command stage, whose inputs are not known.",
         .example = "true"},
        {.name = "analysis",
         .kind = Kind::toggle,
@@ -525,7 +527,8 @@ Object stability_keys() {
             .kind = Kind::toggle,
             .reference = true,
             .fallback = "true",
-            .doc = "Whether fields are watched; values that are not finite always end the run.",
+            .doc = "Whether fields that somebody receives are watched; values that are not "
+                   "finite always end the run.",
             .example = "false"},
            {.name = "growth",
             .kind = Kind::number,

@@ -121,7 +121,6 @@ Json definition(const Object& table, bool partial) {
   Json properties = Json::object();
   Json required = Json::array();
   for (const Key& key : table.keys) {
-    if (partial && (key.name == "choose" || key.name == "cases")) continue;
     properties[key.name] = value(key);
     if (key.required && !partial) required.push_back(key.name);
   }

@@ -57,7 +57,8 @@ void check_keys(const Context& context, const Section& section, const Stage& sta
     }
   } else if (stage.program == Program::command) {
     needs("command", "command: [program, argument]");
-    refuses({"template", "given", "analysis"});
+    // Nobody knows what a program of somebody else's reads.
+    refuses({"template", "given", "analysis", "reuse"});
   } else {
     needs("template", "template: python/prepare.py");
     refuses({"command"});

@@ -188,9 +188,6 @@ void check_structure(const Node& node, const Object& table, const Place& where, 
     if (!key) {
       scope.unknown(scope.at(name), fmt::format("{} has no key", titled(table)), name.text,
                     table.key_names());
-    } else if (partial && (name.text == "choose" || name.text == "cases")) {
-      scope.report(scope.at(name), fmt::format("'{}' inside a case", name.text),
-                   "a case cannot choose again");
     } else if (node.items[i].kind == Node::Kind::nothing) {
       scope.report(scope.at(name), fmt::format("'{}' has no value", name.text),
                    fmt::format("expected: {}, such as {}", description_of(*key), key->example));

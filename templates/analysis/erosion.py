@@ -36,9 +36,16 @@ quantity('eroded_mass', mass[-1], 'kg', 'passages through the plate times the un
 quantity('eroded_mass_per_area', mass[-1] / area, 'kg/m2', 'the same over the section; 1 g/cm2 is 10 kg/m2')
 quantity('beads_total', beads_total, '1', 'fine beads of the specimen, without those that fell through beforehand')
 quantity('beads_eroded', passed[-1], '1', 'passages through the plate')
-unaccounted = beads_total - record['fines_inside'][:, 0] - record['fines_aside'][:, 0]
-quantity('beads_unaccounted', abs(unaccounted).max(), '1',
-         'fine beads that are neither in the specimen nor in the container, at most in any window')
+aside = record['fines_aside'][:, 0]
+{{#reinsertion}}
+fallen_and_not_put_back = numpy.zeros(record.windows)
+{{/reinsertion}}
+{{^reinsertion}}
+fallen_and_not_put_back = passed
+{{/reinsertion}}
+unaccounted = numpy.maximum(abs(beads_total - record['fines_inside'][:, 0] - aside), abs(aside - fallen_and_not_put_back))
+quantity('beads_unaccounted', unaccounted.max(), '1',
+         'fine beads that are neither over the section nor in the container, or there without having been counted, at most in any window')
 quantity('porosity_fine_initial', specimen['porosity_fine'], '1', 'of the layer below the wall, when the wall stopped')
 quantity('fines_lost_initial', specimen['fines_lost'], '1', 'fine beads that fell through during preparation')
 quantity('fines_lost_initial_mass', specimen['fines_lost'] * bead_mass, 'kg', 'their mass')

@@ -74,3 +74,4 @@ def put_back(window):
     mask = local('mask')
     back = (mask & group_bit('aside')) != 0
     mask[back] = mask[back] & ~group_bit('aside') | group_bit('moving') | group_bit('fines')
+    find_ranks()

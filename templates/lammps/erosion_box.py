@@ -104,9 +104,11 @@ def set_plate():
 
 
 def make_bars():
-    width, names = hole_pitch - hole, []
+    holes = math.floor(section / hole_pitch + 0.5)  # along a side, as gmsh rounds; what pitch there is follows
+    pitch = section / holes
+    width, names = pitch - hole, []
     for along in 'xy':
-        for middle in numpy.arange(round(section / hole_pitch) + 1) * hole_pitch:
+        for middle in numpy.arange(holes + 1) * pitch:
             across = '%.17g %.17g' % (max(0, middle - width / 2), min(section, middle + width / 2))
             faces = ('0 %.17g %s' % (section, across)) if along == 'x' else ('%s 0 %.17g' % (across, section))
             # Of two faces at one height, where bars cross, LAMMPS would drop both: the second bars lie a nanometre lower.
@@ -138,7 +140,14 @@ def put_aside():
                                           -10 * catch_depth - layer * spacing))
     local('v')[below] = local('omega')[below] = 0
     mask[below] = mask[below] & ~group_bit('moving') & ~group_bit('fines') | group_bit('aside')
+    find_ranks()
     return numpy.concatenate(comm.allgather(fallen))
+
+
+def find_ranks():
+    """Gives beads that were put somewhere else to the rank that has the place: LAMMPS hands them on to the next one only."""
+    if comm.size > 3:
+        lmp.command('displace_atoms all move 0 0 0 units box')
 
 
 def is_aside():

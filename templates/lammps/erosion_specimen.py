@@ -22,6 +22,7 @@ random = numpy.random.default_rng({{seed}})
 # Coarse beads, with a friction of their own until they rest.
 coarse_places = loose_places(coarse_beads, coarse_diameter / 2, section, 0, 0.9, random)
 final_friction_angle, friction_angle = friction_angle, {{coarse_friction_angle}}
+final_damping, damping = damping, max(damping, 0.1)  # without any friction only damping brings them to rest
 make_box(coarse_places[:, 2].max() + 0.05)
 place(COARSE, coarse_places, coarse_diameter / 2)
 set_groups()
@@ -48,7 +49,7 @@ while time < 0.5 or abs(beads('v')).max() > 1e-3:
         raise SystemExit('the coarse beads do not come to rest within 20 s')
 coarse_top = beads('x')[:, 2].max() + coarse_diameter / 2
 print('coarse beads at rest after %.2f s, up to %.2f mm' % (time, 1e3 * coarse_top), flush=True)
-friction_angle = final_friction_angle
+friction_angle, damping = final_friction_angle, final_damping
 unset_motion()
 set_laws()
 set_pairs()
@@ -85,6 +86,7 @@ while not met_coarse and layer_porosity(wall_height - wall_speed * (time - start
     go_on()
     met_coarse = wall_height - wall_speed * (time - start) < coarse_top + fine_diameter
 wall_height -= wall_speed * (time - start)
+met_coarse = met_coarse and layer_porosity(wall_height) > porosity
 reached, preparation_time, lost_at_porosity = layer_porosity(wall_height), time - start, fallen[-1][1]
 lmp.command('unfix lid')
 while time < start + preparation_time + resting_time:

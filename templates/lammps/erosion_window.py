@@ -13,8 +13,10 @@ while done < window_steps:
     done += steps
     fallen.extend(put_aside())
 {{#drag_follows.place}}
+{{^drag.none}}
     if done // refresh_steps > (done - steps) // refresh_steps:
         apply_drag()
+{{/drag.none}}
 {{/drag_follows.place}}
 near = [min(x, section - x, y, section - y) < 0.5e-3 for x, y, z in fallen]
 sandglass.send('eroded', len(fallen))
@@ -22,12 +24,12 @@ sandglass.send('eroded_at_sides', sum(near))
 {{#reinsertion}}
 put_back(sandglass.window.index)
 {{/reinsertion}}
-inside = ~is_aside()
-porosity, specific_surface = column.contents(beads('x')[inside, 2], radii[inside])
+place, inside = beads('x'), ~is_aside()
+porosity, specific_surface = column.contents(place[inside, 2], radii[inside])
 sandglass.send('porosity', porosity)
 sandglass.send('specific_surface', specific_surface)
-sandglass.send('fines_inside', numpy.count_nonzero(inside & is_fine))
+sandglass.send('fines_inside', accounted_for(place, inside, fallen))
 sandglass.send('fines_aside', numpy.count_nonzero(~inside))
 if sandglass.wants('position'):
-    sandglass.send('position', beads('x'))
+    sandglass.send('position', place)
 say_if_looser()

@@ -29,7 +29,10 @@ def beads():
 
 
 def positions():
-    return numpy.array([tuple(bead.state.pos) for bead in beads()])
+    place = numpy.array([tuple(bead.state.pos) for bead in beads()])
+    if periodic:
+        place[:, :2] %= section  # YADE lets a bead go on through its copies
+    return place
 
 
 # The forces stay what they are until the next call.
@@ -53,5 +56,7 @@ def put_back(window):
 
 O.dt = {{exchange_window}} / math.ceil({{exchange_window}} / ({{time_step_factor}} * PWaveTimeStep()))
 {{#drag_follows.place}}
+{{^drag.none}}
 O.engines = O.engines + [PyRunner(command='apply_drag()', iterPeriod=math.ceil({{drag_refresh}} / O.dt))]
+{{/drag.none}}
 {{/drag_follows.place}}

@@ -44,7 +44,8 @@ O.engines = [
                     [Ip2_FrictMat_FrictMat_FrictPhys()],
                     [Law2_ScGeom_FrictPhys_CundallStrack()]),
     # Weight less buoyancy; damped like every other force, as everywhere in YADE.
-    NewtonIntegrator(gravity=(0, 0, -gravity * (1 - fluid_density / density)), damping=damping, mask=0),
+    NewtonIntegrator(gravity=(0, 0, -gravity * (1 - fluid_density / density)), damping=damping, mask=0,
+                     label='newton'),
     PyRunner(command='put_aside()', iterPeriod=max(1, catch_steps), label='catcher'),
 ]
 

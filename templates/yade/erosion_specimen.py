@@ -17,6 +17,8 @@ plate, catch_depth, catch_steps = {{plate}}, {{catch_depth}}, 200            # f
 random = numpy.random.default_rng({{seed}})
 forget_fallen = plane_sides = needed_functors = True
 
+# Without any friction only damping brings coarse beads to rest.
+final_damping, damping = damping, max(damping, 0.1)
 {{> yade/erosion_box.py}}
 
 # The collider takes a body longer than half a period for one of its copies: beads would fall through the plate.
@@ -47,6 +49,7 @@ while O.time < 0.5 or speed(coarse_ids) > 1e-3:
         raise SystemExit('the coarse beads do not come to rest within 20 s')
 coarse_top = heights(coarse_ids).max() + coarse_diameter / 2
 print('coarse beads at rest after %.2f s, up to %.2f mm' % (O.time, 1e3 * coarse_top), flush=True)
+newton.damping = final_damping
 O.materials[glass].frictionAngle = friction_angle
 for contact in O.interactions:
     contact.phys.tangensOfFrictionAngle = math.tan(friction_angle)
@@ -79,6 +82,7 @@ while not met_coarse and layer_porosity(wall_height - wall_speed * (O.time - sta
     print('%.4f s, %d fell through' % fallen[-1], flush=True)
     met_coarse = wall_height - wall_speed * (O.time - start) < coarse_top + fine_diameter
 wall_height -= wall_speed * (O.time - start)
+met_coarse = met_coarse and layer_porosity(wall_height) > porosity
 reached, closed, lost_at_porosity = layer_porosity(wall_height), O.time, len(fallen_at)
 preparation_time = closed - start
 if lid is not None:

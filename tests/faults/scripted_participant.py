@@ -13,6 +13,7 @@ exit=N         ends with this status
 kill           kills itself with SIGKILL
 exit-soon=N    answers as it should, then ends with this status
 stall          never answers
+idle           does nothing of it, and answers as it should
 deaf           answers, then neither exits nor listens, whatever it is sent
 late=S         answers as it should, after S seconds
 half           writes half a line, then stalls
@@ -89,6 +90,8 @@ class Participant:
     # ---- what it should do
 
     def perform(self, command, path, faults):
+        if "idle" in faults:
+            return
         if command == "advance":
             self.advance(faults)
         elif command == "save":

@@ -19,7 +19,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import numpy
 
-from case import DONE, ENVIRONMENT, INTERRUPTED, PARTICIPANT, PYTHON, SOON, UNSTABLE, read, wait_until
+from case import (BINARY, DONE, ENVIRONMENT, HOME, INTERRUPTED, PARTICIPANT, PYTHON, REFUSED, SOON, UNSTABLE, Record, read,
+                  wait_until)
 from pair import FaultCase, pair, windows_of
 
 RANK = """\
@@ -93,13 +94,13 @@ class Solvers(FaultCase):
 
     def test_it_sends_what_is_not_finite(self):
         for value, word in (("nan", "not a number"), ("inf", "infinite"), ("-inf", "infinite")):
-            self.fails("sends" + value, UNSTABLE, "unstable", "right", "window 3", "motion", word,
+            self.fails("sends" + value, UNSTABLE, "unstable", "right", "window 3", "motion", word, "last lines", "asked advance",
                        right=("advance@3", "value=" + value))
         self.fails("nan_fresh", UNSTABLE, "unstable", "right", "window 3", "motion", right=("advance@3", "value=nan"),
                    process="fresh")
 
     def test_it_sends_another_shape(self):
-        self.fails("short", PARTICIPANT, "failed", "right", "window 3", "motion", "[2, 2]", "[3, 2]",
+        self.fails("short", PARTICIPANT, "failed", "right", "window 3", "motion", "[2, 2]", "[3, 2]", "asked advance",
                    right=("advance@3", "rows=2"))
         self.fails("long", PARTICIPANT, "failed", "right", "window 3", "motion", "[9, 2]",
                    right=("advance@3", "rows=9"))
@@ -197,6 +198,25 @@ participant.serve(advance)
         ended = self.run_workflow(pair().replace("'%s'" % PYTHON, "'%s'" % program, 1), name="nonsense")
         self.assert_failed(ended, ENVIRONMENT, "environment", windows=0)
         self.assert_said(ended, "left")
+
+
+class Streams(FaultCase):
+    """Nobody hears what is said."""
+
+    def ended(self, verb, name, redirection):
+        command = '"$0" "$1" "$2" --out "$3" ' + redirection if verb == "run" else '"$0" "$1" "$2" ' + redirection
+        return subprocess.run(["/bin/sh", "-c", command, BINARY, verb, self.place.join(name + ".yaml"), self.place.join(name + "-run")],
+                              env=dict(os.environ, SANDGLASS_HOME=HOME, SANDGLASS_TEST=self.place.mark), timeout=60).returncode
+
+    def test_a_message_that_cannot_be_written_changes_nothing(self):
+        self.place.write("bad.yaml", "sandglass: 1\n")
+        for number, redirection in enumerate(("2>/dev/full", "2>&-", ">&- 2>&-", "<&- >&- 2>&-")):
+            self.assertEqual(self.ended("check", "bad", redirection), REFUSED, redirection)
+            name = "unheard%d" % number
+            self.place.write(name + ".yaml", pair())
+            ended = self.ended("run", name, redirection + ("" if ">&- 2" in redirection else " >/dev/null"))
+            self.assertEqual(ended, DONE, redirection)
+            self.assert_record(Record(self.place.join(name + "-run", "record.h5")), 5)
 
 
 class Stages(FaultCase):

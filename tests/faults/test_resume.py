@@ -12,8 +12,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import h5py
 import numpy
 
-from case import (DONE, ENVIRONMENT, MISMATCH, REFUSED, SPHERE, USAGE, change, copy_of_home, read, sets,
-                  wait_until)
+from case import (DONE, ENVIRONMENT, MISMATCH, PARTICIPANT, REFUSED, SCRIPTED, SPHERE, USAGE, change, copy_of_home, read, sets,
+                  wait_until, write)
 from pair import FaultCase, pair, windows_of
 
 WINDOWS = 40
@@ -181,6 +181,49 @@ class GoingOn(ResumeCase):
         self.assertIn("nothing to resume: this run came to its end", again.out)
         self.assert_same_bytes(ended, unbroken)
 
+    def test_at_rest_and_killed_before_it_was_said(self):
+        text = slow_pair(every=1, slow=0).replace("  window: 1 ms\n", "  window: 1 ms\n  rest: {field: force, at_most: 1e9, for: 31 ms}\n")
+        ended = self.sandglass("run", self.place.write("rested.yaml", text), out="rested")
+        self.assert_code(ended, DONE)
+        before = datasets(ended.path("record.h5"))
+        os.remove(ended.path("result.json"))
+        again = self.resume_until_done(ended.directory)
+        self.assertEqual(again.result["windows"], 31)
+        self.assertIn("nothing is left to compute", " ".join(note["text"] for note in again.result["notes"]))
+        self.assertEqual(datasets(ended.path("record.h5")), before)
+
+    def test_killed_while_it_was_described(self):
+        ended = self.sandglass("run", self.place.write("described.yaml", slow_pair()), out="described")
+        for name in ("report.html", "ro-crate-metadata.json"):
+            os.remove(ended.path(name))
+        again = self.sandglass("resume", ended.directory)
+        self.assert_code(again, DONE)
+        self.assertIn("nothing to resume", again.out)
+        self.assertTrue(os.path.exists(ended.path("report.html")))
+        self.assert_code(self.sandglass("verify", ended.directory), DONE)
+
+    def test_one_that_cannot_start_costs_nothing(self):
+        program = "import runpy, sys\nsys.path.insert(0, %r)\nrunpy.run_path(%r, run_name='__main__')\n" % (os.path.dirname(SCRIPTED), SCRIPTED)
+        path = self.place.write("program.py", program)
+        for name, line in (("costs", ""), ("costs_not", "record: {checkpoint_every: 3}\n")):
+            text = slow_pair().replace(SCRIPTED, path).replace("record: {checkpoint_every: 3}\n", line)
+            started = self.interrupted(name, text, windows=7)
+            before = datasets(started.path("record.h5"))
+            write(path, "raise SystemExit('not today')\n")
+            ended = self.sandglass("resume", started.directory)
+            self.assert_code(ended, PARTICIPANT)
+            self.assert_said(ended, "not today")
+            self.assertEqual(datasets(started.path("record.h5")), before)
+            write(path, program)
+            self.assertEqual(self.resume_until_done(started.directory).result["windows"], WINDOWS)
+
+    def test_analyses_of_a_run_are_none(self):
+        ended = self.sandglass("run", self.place.write("analysed.yaml", slow_pair()), out="analysed")
+        self.assert_code(self.sandglass("analyse", ended.directory, out="analyses"), DONE)
+        again = self.sandglass("resume", self.place.join("analyses"))
+        self.assert_code(again, ENVIRONMENT)
+        self.assert_said(again, "holds analyses", "sandglass analyse")
+
     def test_fresh_participants(self):
         text = slow_pair(process="fresh")
         unbroken = self.sandglass("run", self.place.write("fresh.yaml", text), out="fresh")
@@ -204,6 +247,15 @@ class GoingOn(ResumeCase):
         ended = self.sandglass("resume", self.place.path)
         self.assert_code(ended, ENVIRONMENT)
         self.assert_said(ended, "not a run directory")
+        self.assertFalse(os.path.exists(self.place.join("lock")))
+
+    def test_a_state_that_was_not_written_is_noticed(self):
+        behaviour = ("advance", "late=0.003")
+        text = pair(left=behaviour + ("checkpoint", "idle"), right=behaviour, windows=WINDOWS, answered=False) + "record: {checkpoint_every: 3}\n"
+        ended = self.sandglass("run", self.place.write("unwritten.yaml", text), out="unwritten")
+        self.assert_code(ended, PARTICIPANT)
+        self.assert_said(ended, "left", "window 3", "left nothing at", "disk")
+        self.assertEqual(ended.record.windows, 3)
 
 
 class RealSolvers(ResumeCase):

@@ -3,13 +3,15 @@ study goes on, results are reused as long as everything they were made of is the
 
 import json
 import os
+import shutil
 import signal
+import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "integration"))
 
-from case import (DONE, INTERRUPTED, MISMATCH, PARTICIPANT, REFUSED, USAGE, change, copy_of_home, read,  # noqa: E402
+from case import (BINARY, DONE, INTERRUPTED, MISMATCH, PARTICIPANT, REFUSED, USAGE, change, copy_of_home, read,  # noqa: E402
                   wait_until, write)
 from pair import FaultCase, command  # noqa: E402
 from test_resume import datasets  # noqa: E402
@@ -189,6 +191,14 @@ class Reuse(StudyCase):
         after = self.begun(self.name)
         self.assertEqual({name: after[name] for name in before}, before)
 
+    def test_by_another_program(self):
+        other = self.place.join("other", "sandglass")
+        os.makedirs(os.path.dirname(other), exist_ok=True)
+        shutil.copy(BINARY, other)
+        self.assertIn("2 points: 0 run, 2 there already", subprocess.run(
+            [other, "study", self.place.join(self.name + ".yaml"), "--out", self.place.join(self.name)],
+            env=dict(os.environ, SANDGLASS_HOME=self.home, SANDGLASS_TEST=self.place.mark), capture_output=True, text=True, timeout=100).stdout)
+
     def test_again(self):
         before = self.begun(self.name)
         self.assertIn("2 points: 2 run", self.study(self.name, "--again").out)
@@ -278,6 +288,33 @@ class Interrupted(StudyCase):
         self.assertIn("2 points: 2 run", self.study("gone_on", "--set", "length=4").out)
         self.assertEqual(datasets(self.place.join("gone_on", "replaced", "seed=2", "record.h5")), recorded)
         self.assertNotEqual(datasets(os.path.join(ours, "record.h5")), recorded)
+
+    def test_a_point_that_somebody_else_runs_is_left_alone(self):
+        scene = SCENE.replace(command(), command("advance", "late=0.02")).replace("end: 3 ms", "end: 1 s") + "record: {checkpoint_every: 10}\n"
+        self.place.write("lent.yaml", scene)
+        self.place.write("lender.yaml", "sandglass: 1\nname: lender\nstudy:\n  of: lent.yaml\n  points: [{grid: {seed: [1]}}]\n")
+        started = self.place.start("study", self.place.join("lender.yaml"), home=self.home, out="lender")
+        point = self.place.join("lender", "points", "seed=1")
+        self.assertTrue(wait_until(lambda: os.path.isdir(os.path.join(point, "checkpoints", "000000010")), 100))
+        started.signal(signal.SIGINT)
+        started.wait(30)
+        resumed = self.place.start("resume", point, home=self.home)
+        self.assertTrue(wait_until(lambda: "is running" in self.why("lender"), 30))
+        ended = self.study("lender", "--set", "length=4")
+        self.assertEqual(ended.code, 7, str(ended))
+        self.assertIn("point 'seed=1' is in use by another process", ended.err)
+        self.assertFalse(os.path.exists(self.place.join("lender", "replaced")))
+        resumed.signal(signal.SIGTERM)
+        resumed.wait(30)
+
+    def test_the_folder_of_something_else_is_left_alone(self):
+        self.file("guest", ["grid: {seed: [1]}"])
+        kept = self.place.write("guest/summary/mine.txt", "mine\n")
+        ended = self.study("guest")
+        self.assertEqual(ended.code, 7, str(ended))
+        self.assertIn("is not empty, and no study's", ended.err)
+        self.assertEqual(read(kept), "mine\n")
+        self.assertEqual(os.listdir(self.place.join("guest")), ["summary"])
 
     def test_two_at_a_time_are_refused(self):
         self.file("twice", ["set: {deed: stall}"])

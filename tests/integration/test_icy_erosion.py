@@ -138,7 +138,7 @@ participants:
   water:
     solver: freefem
     template: freefem/darcy_column.edp
-    given: [{{cells: 5}}, {{cell_top: 37 mm}}, {{fine_thickness: 19 mm}}, {{fine_conductivity: 0.00134 m/s}},
+    given: [{{cells: {cells}}}, {{cell_top: 37 mm}}, {{fine_thickness: 19 mm}}, {{fine_conductivity: 0.00134 m/s}},
             {{density: 2500 kg/m3}}, {{section: 1 cm}}, {{flow_dimension: $dimension}}, {{drag: $drag}}, {{conductivity_profile: $profile}}, {{start: {{file: start/start.h5}}}}]
   beads: {{solver: command, command: [{program}, {beads}]}}
 parameters:
@@ -151,11 +151,11 @@ coupling:
   order: [water, beads]
   stability: {{watch: false}}
   fields:
-    porosity: {{unit: "1", shape: [5], from: beads, to: water}}
-    specific_surface: {{unit: m2/kg, shape: [5], from: beads, to: water}}
-    pressure_difference: {{unit: Pa, shape: [5], from: water, to: beads}}
+    porosity: {{unit: "1", shape: [{cells}], from: beads, to: water}}
+    specific_surface: {{unit: m2/kg, shape: [{cells}], from: beads, to: water}}
+    pressure_difference: {{unit: Pa, shape: [{cells}], from: water, to: beads}}
     fine_gradient: {{unit: "1", shape: [1], from: water}}
-    conductivity: {{unit: m/s, shape: [5], from: water}}
+    conductivity: {{unit: m/s, shape: [{cells}], from: water}}
     flux: {{unit: m/s, shape: [1], from: water}}
     head: {{unit: m, shape: [1], from: water}}
 left_out:
@@ -170,7 +170,7 @@ class HeadSolver(Case):
         states = self.place.join(name + ".npy")
         numpy.save(states, [porosity, surface])
         names = dict(python=os.path.join(HOME, "templates", "python"), states=states)
-        text = HEAD_SOLVER.format(program=PYTHON, windows=len(porosity), start=self.place.write(name + "-start.py", START.format(**names)),
+        text = HEAD_SOLVER.format(program=PYTHON, windows=len(porosity), cells=len(porosity[0]), start=self.place.write(name + "-start.py", START.format(**names)),
                                   beads=self.place.write(name + "-beads.py", BEADS.format(**names)))
         return self.run_workflow(text, *sets(**parameters), name=name)
 
@@ -204,6 +204,22 @@ class HeadSolver(Case):
             numpy.testing.assert_allclose(record["pressure_difference"][window], exact, rtol=1e-9, atol=1e-12 * WATER * 0.23)
         clogged = conductivity(0.0085, 6.0) / conductivity(0.4, 2.0)
         self.assertLess(clogged, 1e-6)
+
+    def test_open_cells_above_the_beads(self):
+        # Twenty cells in a column that is filled to a third: a cell with the tip of one bead, and nothing above it.
+        porosity, surface = numpy.full((3, 20), 1.0), numpy.zeros((3, 20))
+        porosity[:, :6], surface[:, :6] = 0.45, 2.0
+        porosity[:, 6], surface[:, 6] = 0.37, 6.9
+        porosity[:, 7], surface[:, 7] = (0.999, 1 - 1e-5, 1 - 1e-8), 6.9
+        for dimension in "123":
+            ended = self.solve("open_" + dimension, porosity, surface, dimension=dimension)
+            self.assert_code(ended, DONE)
+            for window in range(3):
+                full = porosity[window] < 1
+                k = numpy.full(20, 1340.0)
+                k[full] = conductivity(porosity[window][full], surface[window][full])
+                exact = WATER * 0.23 * heads_of_halves(k)
+                numpy.testing.assert_allclose(ended.record["pressure_difference"][window], exact, rtol=1e-9, atol=1e-12 * WATER * 0.23)
 
     def test_columns_of_two_and_three_dimensions(self):
         random = numpy.random.default_rng(3)
@@ -247,7 +263,7 @@ class HeadSolver(Case):
 def heads_of_halves(k):
     """As heads(), in closed form, which does not mind a million between neighbours."""
     border = numpy.concatenate((k[:1], (k[1:] + k[:-1]) / 2, k[-1:]))
-    half = 37e-3 / 10
+    half = 37e-3 / len(k) / 2
 
     def part(a, b):
         return numpy.where(a == b, half / a, half * numpy.log(b / a) / numpy.where(a == b, 1, b - a))
@@ -322,8 +338,17 @@ class Options(Case):
                                 for one in ({name: value} for name, values in OPTIONS.items() for value in values))):
             self.assert_code(ended, DONE)
 
+    def test_periodic_sides_and_no_damping(self):
+        few = dict(fine_beads=300, layer_porosity=0.95, window="2 ms", end_time="4 ms", record_positions="true")
+        ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic", damping=0, drag="none", drag_follows="place", **few),
+                               out="periodic", seconds=HANG)
+        self.assert_code(ended, DONE)
+        self.assertEqual(ended.quantity("beads_unaccounted"), 0)
+        place = ended.record["position"]
+        self.assertTrue(((place[:, :, :2] >= 0) & (place[:, :, :2] <= 6.2e-3)).all())
+
     def test_a_periodic_section_too_narrow_for_yade_is_refused(self):
-        ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic"), out="narrow", seconds=HANG)
+        ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic", section="6 mm"), out="narrow", seconds=HANG)
         self.assert_code(ended, PARTICIPANT)
         self.assertIn("YADE needs a section of more than two coarse beads", ended.err)
 

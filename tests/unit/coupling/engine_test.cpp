@@ -434,6 +434,28 @@ TEST(Faults, EnergyThatTheCouplingMakesEndsTheRunAndIsNamed) {
   EXPECT_EQ(windows, 26) << "not watched";
 }
 
+TEST(Faults, WhatNobodyReceivesMayGrow) {
+  // It doubles with alternating sign in every window, as no exchange in a stable coupling does.
+  const auto grow = [](FakePartner& self) {
+    self.send(0, {std::pow(-2.0, static_cast<double>(self.window))});
+  };
+  for (const bool received : {false, true}) {
+    FakePartner fluid("fluid", grow);
+    FakePartner grains("grains", kNothing);
+    Plan plan = plan_of(Scheme::serial_explicit, 1, 60,
+                        {field("count", 0, received ? std::size_t{1} : kNobody)});
+    plan.stability.active = true;
+    const auto all = [&] {
+      run(plan, {&fluid, &grains}, FakeClock(), kIgnoreBefore, kIgnoreAfter);
+    };
+    if (received) {
+      EXPECT_EQ(error_of(all).code(), ExitCode::unstable);
+    } else {
+      EXPECT_NO_THROW(all());
+    }
+  }
+}
+
 TEST(Faults, SoDoesTheInfinite) {
   const Failing failing({1, 2, 3, -kInfinity}, {2, 2});
   EXPECT_EQ(failing.error.code(), ExitCode::unstable);

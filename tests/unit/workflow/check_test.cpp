@@ -143,7 +143,7 @@ TEST_F(Check, StagesNeedWhatTheirProgramNeeds) {
   a: {run: python}
   b: {run: command, template: python/ball.py}
   c: {run: gmsh, template: python/ball.py, given: [diameter], analysis: true}
-  d: {run: command, command: [x], makes: [../x, /y]}
+  d: {run: command, command: [x], makes: [../x, /y], reuse: true}
   e: {run: coupling, deadline: 1 s}
 )"),
               ElementsAre("w.yaml:6:3: a python stage needs 'template'",
@@ -153,6 +153,7 @@ TEST_F(Check, StagesNeedWhatTheirProgramNeeds) {
                           "w.yaml:8:73: a gmsh stage has no 'analysis'",
                           "w.yaml:9:42: '../x' is not a file's place",
                           "w.yaml:9:42: '/y' is not a file's place",
+                          "w.yaml:9:61: a command stage has no 'reuse'",
                           "w.yaml:10:3: there is no 'coupling' for this stage to run",
                           "w.yaml:10:32: a coupling stage has no 'deadline'"));
 }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -73,6 +74,47 @@ TEST_F(Parameters, TakeTheirValueFromTheCaseOfAChoice) {
   EXPECT_EQ(end({}), 48);
   EXPECT_EQ(end({{"scale", "small"}}), 2);
   EXPECT_EQ(end({{"scale", "small"}, {"end", "3 s"}}), 3) << "what is set counts";
+}
+
+TEST_F(Parameters, ACaseMayChooseAgain) {
+  const std::string choices =
+      "  scale: {value: full, choices: [small, full]}\n"
+      "  sides: {value: walls, choices: [walls, periodic]}\n";
+  const std::string text = with(choices +
+                                "  end: {value: 48 s, above: 0, choose: scale, cases: {full: {}, "
+                                "otherwise: {choose: sides, cases: {walls: {value: 2 s}, periodic: "
+                                "{value: 3 s}}}}}\n");
+  const auto end = [&](const std::vector<Setting>& settings) {
+    return *project.load(text, settings).parameter("end")->value.as<double>();
+  };
+  EXPECT_EQ(end({}), 48);
+  EXPECT_EQ(end({{"sides", "periodic"}}), 48);
+  EXPECT_EQ(end({{"scale", "small"}}), 2);
+  EXPECT_EQ(end({{"scale", "small"}, {"sides", "periodic"}}), 3);
+  EXPECT_THAT(
+      project.problems(with(choices + "  end: {value: 48 s, above: 0, choose: scale, cases: {full: "
+                                      "{}, small: {choose: sides, cases: {walls: {}, periodic: "
+                                      "{value: -3 s}}}}}\n")),
+      ElementsAre(HasSubstr("'end' is -3 s")))
+      << "every case of every case is checked";
+  EXPECT_THAT(project.problems(with(choices +
+                                    "  end: {value: 48 s, choose: scale, cases: {full: {}, small: "
+                                    "{choose: sides, cases: {walls: {}}}}}\n")),
+              ElementsAre(HasSubstr("no case for choice 'periodic' of 'sides'")));
+}
+
+TEST_F(Parameters, CasesWithinCasesEnd) {
+  // Ten choices, and a case for all others within each: ten to the twentieth variants in a line.
+  std::string parameters;
+  std::string end = "{value: 1 s}";
+  for (int i = 0; i < 20; ++i) {
+    parameters += fmt::format("  p{}: {{value: a, choices: [a, b, c, d, e, f, g, h, i, j]}}\n", i);
+    end = fmt::format("{{choose: p{}, cases: {{otherwise: {}}}}}", i, end);
+  }
+  EXPECT_THAT(
+      project.problems(
+          with(parameters + "  end: {value: 2 s, choose: p0, cases: {otherwise: " + end + "}}\n")),
+      ElementsAre(HasSubstr("its cases within cases are more than 1000")));
 }
 
 TEST_F(Parameters, EveryCaseIsCheckedAndTheChoiceComesFirst) {

@@ -69,6 +69,17 @@ TEST(Scene, PublishedNumbersAreSkippedAwayFromTheirParameters) {
   EXPECT_EQ(published, 2);
 }
 
+TEST(Scene, WhatChangesAParticipantIsInItsJson) {
+  const std::string erosion = root + "/workflows/icy_erosion.yaml";
+  const auto participants = [&](const std::string& name, const std::string& value) {
+    const std::string dem = name == "ranks" ? "lammps" : "yade";
+    return to_json(load(erosion, options({{"dem", dem}, {name, value}}))).at("participants").dump();
+  };
+  for (const char* name : {"threads", "ranks"}) {
+    EXPECT_NE(participants(name, "1"), participants(name, "2")) << name;
+  }
+}
+
 TEST(Scene, OtherSpheresAndFluidsLoad) {
   const std::vector<std::vector<Setting>> cases = {
       {{"diameter", "1 um"}, {"density", "1001"}},
