@@ -160,6 +160,7 @@ Done Engine::window(std::int64_t index) {
 std::vector<Oscillation> Engine::oscillations() const {
   std::vector<Oscillation> found;
   for (std::size_t f = 0; f < states_.size(); ++f) {
+    if (plan_.fields[f].to == kNobody) continue;
     if (const auto one = states_[f].watch.oscillation()) {
       found.push_back({plan_.fields[f].name, *one});
     }
@@ -220,8 +221,7 @@ std::pair<std::size_t, double> Engine::worst_residual() const {
 void Engine::watch(std::int64_t window) {
   for (std::size_t f = 0; f < states_.size(); ++f) {
     if (plan_.fields[f].name == plan_.rest.field) rest_watch_.observe(states_[f].sent);
-    // What nobody receives is in no loop that could make it grow: it may count something.
-    if (plan_.fields[f].to == kNobody) continue;
+    if (!plan_.fields[f].watched) continue;
     const auto found = states_[f].watch.observe(states_[f].sent);
     if (!found) continue;
     throw Error::unstable(

@@ -71,6 +71,7 @@ struct Field {
   double initial = 0;  ///< every value before the sender has spoken
   /// What is received is relaxed: the unknown of the iteration, when there is one.
   bool relaxed = false;
+  bool watched = true;  ///< for growth from window to window
 };
 inline constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 

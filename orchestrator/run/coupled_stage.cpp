@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 
@@ -95,6 +96,8 @@ class CoupledRun {
     outcome_.windows = outcome_.windows_taken = span_.behind;
     outcome_.time = static_cast<double>(span_.behind) * coupling_.window;
     for (const std::string& name : coupling_.order) add(name);
+    // One that is there already keeps its place until all participants are there.
+    if (!std::filesystem::exists(directory_.file("record.h5"))) open_record();
     for (std::size_t p = 0; p < participants_.size(); ++p) {
       if (!fresh_[p]) participants_[p]->start();
     }
@@ -104,8 +107,7 @@ class CoupledRun {
     require_abilities();
     require_stateless(false);
     if (span_.behind > 0) go_on();
-    // Last: where there is one already, it takes that one's place.
-    open_record();
+    if (!record_) open_record();
     outcome_.start_seconds = clock_.now() - start;
   }
 

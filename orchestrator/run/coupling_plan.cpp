@@ -112,6 +112,7 @@ coupling::Plan plan_of(const workflow::Workflow& workflow) {
     planned.received_shape = field.received_shape;
     planned.initial = field.initial;
     planned.relaxed = field.relaxed;
+    planned.watched = field.watched;
     if (field.transform != workflow::Transform::identity) {
       const auto transform = field.transform;
       const auto samples = field.samples;

@@ -232,6 +232,7 @@ Field read_field(const Context& context, const Declared& declared, const Order& 
   field.from = section.text("from");
   field.to = section.text("to");
   field.recorded = recorded.all || recorded.names.contains(field.name);
+  field.watched = !section.find("watched") || section.toggle("watched");
   check_end(context, section, "from", declared, order);
   check_end(context, section, "to", declared, order);
   if (!field.from.empty() && field.from == field.to) {

@@ -93,7 +93,8 @@ Json to_json(const Field& field) {
           {"received_shape", field.received_shape},
           {"initial", field.initial},
           {"recorded", field.recorded},
-          {"relaxed", field.relaxed}};
+          {"relaxed", field.relaxed},
+          {"watched", field.watched}};
 }
 
 Json to_json(const Coupling& coupling) {

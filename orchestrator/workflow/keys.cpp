@@ -527,7 +527,7 @@ Object stability_keys() {
             .kind = Kind::toggle,
             .reference = true,
             .fallback = "true",
-            .doc = "Whether fields that somebody receives are watched; values that are not "
+            .doc = "Whether fields are watched; values that are not "
                    "finite always end the run.",
             .example = "false"},
            {.name = "growth",
@@ -640,6 +640,13 @@ Object field_keys() {
             .fallback = "0",
             .doc = "Every value before the sender has spoken.",
             .example = "0 m/s"},
+           {.name = "watched",
+            .kind = Kind::toggle,
+            .reference = true,
+            .fallback = "true",
+            .doc = "Whether its growth from window to window may end the run. What is counted may "
+                   "grow without any fault.",
+            .example = "false"},
            when_key()}};
 }
 
@@ -791,7 +798,7 @@ Object reference_keys() {
             .example = "stokes_velocity"},
            {.name = "data",
             .doc = "A CSV file below data/ with two columns.",
-            .example = "icy/figure_2_velocity.csv"},
+            .example = "beam_impact/single_timoshenko_force.csv"},
            {.name = "source",
             .doc = "Where it was published; required with `value` and `data`.",
             .example = "Pirnia et al. (2019), section 3.4"}}};

@@ -106,6 +106,7 @@ struct Field {
   double initial = 0;                        ///< every value before the sender has spoken
   bool recorded = true;
   bool relaxed = false;  ///< the unknown of an iteration, or under-relaxed
+  bool watched = true;   ///< for growth from window to window
   Place place;
 };
 

@@ -14,7 +14,8 @@ control_of, control = {{control_of}}, {{control}}
 control_name = {'none': 'no flow', 'lammps': 'LAMMPS', 'yade': 'YADE'}[control]
 
 # Quantiles of Student's t for 95 %, both sides, by degrees of freedom; beyond them that of the normal distribution.
-STUDENT = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262]
+STUDENT = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101,
+           2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042]
 
 points = [point for point in sandglass.open_study() if point.exit_code == 0]
 if not points:
@@ -52,7 +53,8 @@ class Course:
     @property
     def control(self):
         """What a run must share with this one to be its control."""
-        return self.seed, self.point.parameters['drag' if control_of == 'dem' else 'dem'], len(self.time)
+        given = self.point.parameters
+        return (self.seed, len(self.time)) + ((given['drag'], given['cells']) if control_of == 'dem' else (given['dem'],))
 
 
 def strongest_drag(record, given):

@@ -21,8 +21,12 @@ class Course:
 
     def __init__(self, point):
         record = point.record()
-        self.time = numpy.append(0.0, record.time)
-        self.share = numpy.append(0.0, numpy.cumsum(record['eroded'][:, 0])) / point.quantities['beads_total']
+        # A run that ended before its time did so because nothing fell through any more.
+        window = point.parameters['window']
+        eroded = numpy.zeros(max(record.windows, math.ceil(point.parameters['end_time'] / window * (1 - 1e-9))))
+        eroded[: record.windows] = record['eroded'][:, 0]
+        self.time = numpy.append(0.0, window * numpy.arange(1, len(eroded) + 1))
+        self.share = numpy.append(0.0, numpy.cumsum(eroded)) / point.quantities['beads_total']
         last = self.time >= 2 / 3 * self.time[-1]
         span = self.time[last][-1] - self.time[last][0]
         self.rate = (self.share[last][-1] - self.share[last][0]) / span if span > 0 else math.nan

@@ -43,7 +43,7 @@ for (set_name, label), members in settings.items():
         scatters.append((len(paired) - 1, statistics.variance(paired)))
     halves = [point.quantities.get('half_time') for point in members]
     rows.append((set_name, label, len(members), statistics.mean(map(mass, members)), difference, error, statistics.median(map(seconds, members)),
-                 statistics.mean(halves) if None not in halves else None))
+                 statistics.mean(halves) if None not in halves else None, len(paired)))
 
 # The scatter of a difference from one pair of seeds to the next, from all settings together: two or three pairs of one setting
 # say little about it. The median of their variances, each over what the median of such variances is where the true one is 1 (chi
@@ -54,7 +54,7 @@ pair_scatter = math.sqrt(statistics.median(medians)) if medians else math.nan
 
 def over_scatter(row):
     """The difference over the standard error that the scatter of all settings gives it."""
-    return '-' if row[0].startswith('reference') or math.isnan(pair_scatter) else '%+.1f' % (row[4] * math.sqrt(row[2]) / pair_scatter)
+    return '-' if row[0].startswith('reference') or math.isnan(pair_scatter) else '%+.1f' % (row[4] * math.sqrt(row[8]) / pair_scatter)
 
 
 {{#timed}}
