@@ -365,6 +365,14 @@ class Options(Case):
                 made.append(file.read())
         self.assertEqual(*made)
 
+    @unittest.skipUnless(LAMMPS, "LAMMPS is not installed: ./sandglass setup lammps")
+    def test_beads_that_are_put_back_find_their_rank(self):
+        """Four ranks, one beside the other: a bead may have to go past the next one."""
+        ended = self.sandglass("run", WORKFLOW, *sets(dem="lammps", ranks=4, **dict(Checkpoints.QUICK, end_time="0.2 s")), out="ranks", seconds=HANG)
+        self.assert_code(ended, DONE)
+        self.assertGreater(ended.record["eroded"].sum(), 5, "nothing was put back: the test says nothing")
+        self.assertEqual(ended.quantity("beads_unaccounted"), 0)
+
     def test_a_wall_that_meets_a_coarse_bead_stops_there_and_says_so(self):
         """300 fine beads fill the hollows between the coarse ones and make no layer."""
         ended = self.sandglass("run", WORKFLOW, *sets(scale="small", fine_beads=300, end_time="0.04 s", window="0.04 s"), out="met", seconds=HANG)
