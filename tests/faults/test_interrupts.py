@@ -82,6 +82,19 @@ class Interrupted(FaultCase):
             os.killpg(started.process.pid, signal.SIGINT)
         self.assert_failed(started.wait(LIMIT), INTERRUPTED, "interrupted", windows=2)
 
+    def test_a_terminal_that_goes_away_under_nohup(self):
+        before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # what a program is started with stays so
+        try:
+            started = self.place.start("run", self.place.write("nohup.yaml", pair(right=("advance", "late=0.05"), windows=20, answered=False)),
+                                       out="nohup")
+        finally:
+            signal.signal(signal.SIGHUP, before)
+        self.assertTrue(wait_until(lambda: windows_of(started) >= 2, 30))
+        started.signal(signal.SIGHUP)
+        ended = started.wait(30)
+        self.assert_code(ended, DONE)
+        self.assert_record(ended.record, 20, answered=False)
+
     def test_killed_outright(self):
         """Nobody can clean up behind SIGKILL but the kernel; the record is whole all the same."""
         for name, text in (("killed", pair(windows=1000000, answered=False)),
