@@ -32,14 +32,10 @@ class Course:
     def __init__(self, point):
         record = point.record()
         self.point, self.seed = point, point.parameters['seed']
-        # A run that ended well before its time did so because nothing fell through any more: the rest of it is known.
-        window = point.parameters['window']
-        eroded = numpy.zeros(max(record.windows, math.ceil(point.parameters['end_time'] / window * (1 - 1e-9))))
-        eroded[: record.windows] = record['eroded'][:, 0]
-        self.time = numpy.append(0.0, window * numpy.arange(1, len(eroded) + 1))
+        self.time, eroded = point.counted('eroded')
         passed = numpy.append(0.0, numpy.cumsum(eroded))
         self.mass = passed * point.quantities['eroded_mass_per_area'] / passed[-1] if passed[-1] else passed
-        windows = max(1, round(clogged_for / window))
+        windows = max(1, round(clogged_for / point.parameters['window']))
         stretches = passed[windows:] - passed[:-windows]  # passages in the stretch that begins with each window
         self.clogged = math.nan
         if len(stretches) > windows:

@@ -20,12 +20,7 @@ class Course:
     """Passages over the fine beads of the specimen, against time; their rate in the last third of the time, 1/s."""
 
     def __init__(self, point):
-        record = point.record()
-        # A run that ended before its time did so because nothing fell through any more.
-        window = point.parameters['window']
-        eroded = numpy.zeros(max(record.windows, math.ceil(point.parameters['end_time'] / window * (1 - 1e-9))))
-        eroded[: record.windows] = record['eroded'][:, 0]
-        self.time = numpy.append(0.0, window * numpy.arange(1, len(eroded) + 1))
+        self.time, eroded = point.counted('eroded')
         self.share = numpy.append(0.0, numpy.cumsum(eroded)) / point.quantities['beads_total']
         last = self.time >= 2 / 3 * self.time[-1]
         span = self.time[last][-1] - self.time[last][0]

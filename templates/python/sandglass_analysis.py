@@ -118,6 +118,15 @@ class Point:
         """The record of its run, also of one that ended early."""
         return Record(os.path.join(self.run, "record.h5"))
 
+    def counted(self, name):
+        """(times, counts): what the field `name` [1] counted in every window to the planned end, and the borders of these
+        windows, s. A run that came to rest before has nothing more to count. For workflows with `window` and `end_time`.
+        """
+        record, window = self.record(), self.parameters["window"]
+        counts = numpy.zeros(max(record.windows, math.ceil(self.parameters["end_time"] / window * (1 - 1e-9))))
+        counts[: record.windows] = record[name][:, 0]
+        return window * numpy.arange(len(counts) + 1), counts
+
 
 def open_study():
     """The points of the study that this stage looks at, in its order."""
