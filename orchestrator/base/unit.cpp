@@ -215,6 +215,8 @@ bool Unit::convertible(const std::string& from, const std::string& to) {
   return a.valid && b.valid && a.dimension == b.dimension;
 }
 
+bool Unit::has_offset(const std::string& text) { return valid(text) && to_si(0, text) != 0; }
+
 double Unit::to_si(double number, const std::string& text) {
   const Definition& unit = valid_definition(text);
   if (unit.scale > 0) return number * unit.scale;

@@ -12,6 +12,8 @@ class Unit {
   static bool valid(const std::string& text);
   /// True when both are units and a quantity in one can be expressed in the other.
   static bool convertible(const std::string& from, const std::string& to);
+  /// True when 0 of it is not 0 in SI, such as degC: a difference in it is none in SI.
+  static bool has_offset(const std::string& text);
   /// The number in SI base units. Throws std::invalid_argument for an invalid unit.
   static double to_si(double number, const std::string& unit);
   /// The number in `unit`, given it in SI base units. Throws std::invalid_argument.

@@ -29,7 +29,8 @@ void add_check(CLI::App& app, Session& session) {
   options->add_to(*verb);
   verb->callback([&session, options] {
     session.action = [options] {
-      const workflow::Workflow workflow = options->load();
+      workflow::Workflow workflow = options->load_as_written();
+      if (!workflow.study || workflow.study->of.empty()) workflow = options->load();
       report::check_references(workflow, run::Home::find().data());
       if (workflow.study) check_points(*options);
       fmt::print(

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 
 #include "cli/terminal.hpp"
 #include "run/home.hpp"
@@ -32,6 +34,32 @@ void hold_standard_streams() {
     if (descriptor > STDERR_FILENO) ::close(descriptor);
     if (descriptor < 0 || descriptor > STDERR_FILENO) return;
   }
+}
+
+/// Throws Error::usage for a verb that there is not.
+void require_verb(const CLI::App& app, const std::vector<std::string>& command) {
+  if (command.size() < 2 || command[1].empty() || command[1][0] == '-') return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    verbs.push_back(verb->get_name());
+  }
+  if (std::find(verbs.begin(), verbs.end(), command[1]) != verbs.end()) return;
+  throw Error::usage(fmt::format("there is no verb '{}'", command[1]),
+                     suggestion(command[1], verbs));
+}
+
+/// The words behind the program's name, last first, as CLI11 wants them. A file behind --no-prune
+/// is the workflow, not a name.
+std::vector<std::string> words_of(const std::vector<std::string>& command) {
+  std::vector<std::string> words(command.begin() + (command.empty() ? 0 : 1), command.end());
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    std::error_code error;
+    if (words[i] == "--no-prune" && std::filesystem::is_regular_file(words[i + 1], error)) {
+      std::swap(words[i], words[i + 1]);
+    }
+  }
+  std::reverse(words.begin(), words.end());
+  return words;
 }
 
 }  // namespace
@@ -81,6 +109,13 @@ workflow::LoadOptions WorkflowOptions::load_options() const {
 
 workflow::Workflow WorkflowOptions::load() const { return workflow::load(file, load_options()); }
 
+workflow::Workflow WorkflowOptions::load_as_written() const {
+  workflow::LoadOptions options = load_options();
+  options.settings.clear();
+  options.keep.clear();
+  return workflow::load(file, options);
+}
+
 int main_program(int argc, char** argv) {
   hold_standard_streams();
   CLI::App app{"Sandglass: coupled grain-continuum simulations from one YAML workflow"};
@@ -111,7 +146,8 @@ int main_program(int argc, char** argv) {
   add_reference(app, session);
   add_completion(app, session);
   try {
-    app.parse(argc, argv);
+    require_verb(app, session.command);
+    app.parse(words_of(session.command));
     return static_cast<int>(session.action());
   } catch (const CLI::ParseError& error) {
     // Help and version come this way too, with status 0.

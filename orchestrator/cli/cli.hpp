@@ -64,6 +64,8 @@ struct WorkflowOptions {
   [[nodiscard]] workflow::LoadOptions load_options() const;
   /// Reads and checks the workflow. Throws what workflow::load throws.
   [[nodiscard]] workflow::Workflow load() const;
+  /// The same as it is written: what was chosen may be for the workflow that a study names.
+  [[nodiscard]] workflow::Workflow load_as_written() const;
 };
 
 }  // namespace sandglass::cli

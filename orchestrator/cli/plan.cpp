@@ -114,10 +114,7 @@ void show_run(const workflow::Workflow& workflow) {
 }
 
 ExitCode execute(const WorkflowOptions& options, const std::string& out) {
-  workflow::LoadOptions load = options.load_options();
-  load.settings.clear();  // of the workflow that a study names
-  load.keep.clear();
-  const workflow::Workflow file = workflow::load(options.file, load);
+  const workflow::Workflow file = options.load_as_written();
   // A file may be a study of itself: then `run` and `study` both mean something.
   if (!file.study || file.study->of.empty()) show_run(options.load());
   if (!file.study) return ExitCode::done;

@@ -43,10 +43,7 @@ void add_profile(CLI::App& app, Session& session) {
   CLI::App* verb = add_verb(app, "profile", "show where the time of a run went",
                             "  sandglass profile runs/icy_stokes_sphere-0001\n"
                             "  sandglass profile runs/icy_stokes_sphere-0001 --trace sphere.json");
-  verb->add_option("run", options->run, "the run directory")
-      ->required()
-      ->type_name("RUN")
-      ->check(CLI::ExistingDirectory);
+  verb->add_option("run", options->run, "the run directory")->required()->type_name("RUN");
   verb->add_option("--trace", options->trace, "the trace to write (default: trace.json here)")
       ->type_name("FILE");
   verb->callback([&session, options] { session.action = [options] { return execute(*options); }; });

@@ -61,7 +61,11 @@ void add_replay(CLI::App& app, Session& session) {
   verb->add_option("run", options->run, "the run directory")->required()->type_name("RUN");
   verb->add_option("--window", options->window,
                    "this window, from the nearest checkpoint before it, or from the start")
-      ->check(CLI::PositiveNumber)
+      ->check([](const std::string& text) {
+        return text.empty() || text[0] == '-' || text.find_first_not_of('0') == text.npos
+                   ? "windows are counted from 1"
+                   : std::string();
+      })
       ->type_name("K");
   verb->add_flag("--all", options->all, "all windows, from the start");
   verb->callback([&session, options] { session.action = [options] { return execute(*options); }; });

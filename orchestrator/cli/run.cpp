@@ -41,6 +41,10 @@ void show_result(const run::Ended& ended) {
 
 ExitCode execute(const Options& options, const std::vector<std::string>& command) {
   const workflow::Workflow workflow = options.workflow.load();
+  if (workflow.study && !workflow.study->of.empty()) {
+    throw Error::usage(fmt::format("'{}' is a study of '{}'", workflow.path, workflow.study->of),
+                       fmt::format("sandglass study {}", workflow.path));
+  }
   const run::Home home = run::Home::find();
   if (options.dry) return show_dry_run(workflow, home);
   run::Options run_options;

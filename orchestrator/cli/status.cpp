@@ -76,6 +76,7 @@ ExitCode show(std::vector<std::string> runs) {
     std::sort(runs.begin(), runs.end());
   }
   if (runs.empty()) fmt::print("no runs here\n");
+  ExitCode code = ExitCode::done;
   for (const std::string& run : runs) {
     if (study::is_study(run)) {
       show_study(run);
@@ -84,9 +85,14 @@ ExitCode show(std::vector<std::string> runs) {
     if (!fs::exists(run + "/status.json")) {
       throw Error::environment(fmt::format("'{}' is no run directory and no study", run));
     }
-    fmt::print("{}  {}\n", run, status_text(run));
+    try {
+      fmt::print("{}  {}\n", run, status_text(run));
+    } catch (const Error& error) {
+      fmt::print("{}  cannot be told: {}\n", run, error.what());
+      code = error.code();
+    }
   }
-  return ExitCode::done;
+  return code;
 }
 
 }  // namespace

@@ -38,10 +38,7 @@ void add_verify(CLI::App& app, Session& session) {
   CLI::App* verb =
       add_verb(app, "verify", "check every file of a run against its digest (exit 6: a difference)",
                "  sandglass verify runs/icy_stokes_sphere-0001");
-  verb->add_option("run", *path, "the run directory")
-      ->required()
-      ->type_name("RUN")
-      ->check(CLI::ExistingDirectory);
+  verb->add_option("run", *path, "the run directory")->required()->type_name("RUN");
   verb->callback([&session, path] { session.action = [path] { return execute(*path); }; });
 }
 

@@ -57,16 +57,14 @@ double norm(std::span<const double> values) {
   return largest * std::sqrt(sum);
 }
 
-/// The change over the largest size of the field so far (`largest`, brought up to date): a field
-/// that passes through zero is not asked for more digits than it had.
+/// The change over `size`, or where that is 0, over what was there.
 double relative_residual(const std::vector<double>& now, std::span<const double> next,
-                         double& largest) {
+                         double size) {
   if (now.size() != next.size()) return 1;
   std::vector<double> difference(now.size());
   for (std::size_t i = 0; i < now.size(); ++i) difference[i] = next[i] - now[i];
   const double change = norm(difference);
-  largest = std::max(largest, norm(next));
-  return change == 0 ? 0 : change / (largest == 0 ? norm(now) : largest);
+  return change == 0 ? 0 : change / (size == 0 ? norm(now) : size);
 }
 
 bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
@@ -87,10 +85,15 @@ struct Engine::State {
   Shape received_shape;
   Relaxation relaxation;
   StabilityWatch watch;
-  double residual = 0;       ///< of a relaxed field: |next - received| / largest, before relaxation
-  double largest = 0;        ///< size of a relaxed field so far
+  double residual = 0;  ///< of a relaxed field: |next - received| / scale(), before relaxation
+  double size = 0;      ///< of a relaxed field in this iteration
+  /// In windows that have converged: what an iteration tries on its way there is no measure.
+  double largest = 0;
   std::vector<double> next;  ///< of a field that waits to be relaxed together with others
   bool waiting = false;
+
+  /// A field that passes through zero is not asked for more digits than it had.
+  [[nodiscard]] double scale() const { return std::max(largest, size); }
 };
 
 /// What a partner was asked last, in the order of the plan's fields.
@@ -172,6 +175,7 @@ void Engine::in_turn(Done& done) {
   for (std::size_t p = 0; p < partners_.size(); ++p) {
     begin(p, done);
     done.timing.working += finish(p, done);
+    pass_on(p, done);
   }
 }
 
@@ -180,6 +184,8 @@ void Engine::at_once(Done& done) {
   for (std::size_t p = 0; p < partners_.size(); ++p) {
     done.timing.working = std::max(done.timing.working, finish(p, done));
   }
+  // Mappings look at fields of both sides, which are all of the same moment only now.
+  for (std::size_t p = 0; p < partners_.size(); ++p) pass_on(p, done);
 }
 
 void Engine::iterate(Done& done) {
@@ -193,7 +199,10 @@ void Engine::iterate(Done& done) {
     }
     in_turn(done);
     const auto [worst, residual] = worst_residual();
-    if (residual <= plan_.tolerance) return;
+    if (residual <= plan_.tolerance) {
+      for (State& state : states_) state.largest = state.scale();
+      return;
+    }
     if (done.iterations == 1) first_residual = residual;
     if (done.iterations < plan_.most_iterations) continue;
     throw Error::unstable(
@@ -222,7 +231,9 @@ void Engine::watch(std::int64_t window) {
   for (std::size_t f = 0; f < states_.size(); ++f) {
     if (plan_.fields[f].name == plan_.rest.field) rest_watch_.observe(states_[f].sent);
     if (!plan_.fields[f].watched) continue;
-    const auto found = states_[f].watch.observe(states_[f].sent);
+    const std::int64_t rows = states_[f].sent_shape[0];
+    const std::size_t row = rows > 0 ? states_[f].sent.size() / static_cast<std::size_t>(rows) : 1;
+    const auto found = states_[f].watch.observe(states_[f].sent, row);
     if (!found) continue;
     throw Error::unstable(
         fmt::format("window {}: field '{}' from {} diverges: its change {}", window,
@@ -308,26 +319,31 @@ double Engine::finish(std::size_t p, Done& done) {
   done.timing.partners[p] += worked;
   const double start = clock_.now();
   for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
-    if (plan_.fields[f].from != p) continue;
-    if (question.same) {
-      const std::vector<double> again = states_[f].sent;
-      accept(f, {again, states_[f].sent_shape}, done.window);
-    } else {
-      accept(f, partners_[p]->take(f), done.window);
-    }
+    if (plan_.fields[f].from == p && !question.same) accept(f, partners_[p]->take(f), done.window);
   }
   done.timing.exchange += clock_.now() - start;
   return worked;
 }
 
+void Engine::pass_on(std::size_t p, Done& done) {
+  const double start = clock_.now();
+  for (std::size_t f = 0; f < plan_.fields.size(); ++f) {
+    if (plan_.fields[f].from == p) change_on_the_way(f, done.window);
+  }
+  done.timing.exchange += clock_.now() - start;
+}
+
+std::string Engine::origin(std::size_t f, std::int64_t window) const {
+  const Field& field = plan_.fields[f];
+  return fmt::format("participant {}, window {}: field '{}'", partners_[field.from]->name(), window,
+                     field.name);
+}
+
 void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t window) {
   const Field& field = plan_.fields[f];
-  const auto from = [&] {
-    return fmt::format("participant {}, window {}", partners_[field.from]->name(), window);
-  };
   const auto log = [&] { return partners_[field.from]->end_of_log(); };
   if (!sent.shape.empty() && sent.shape[0] < 0) {
-    throw Error::participant(fmt::format("{}: field '{}' was not sent", from(), field.name),
+    throw Error::participant(fmt::format("{} was not sent", origin(f, window)),
                              "its script must send it before the end of every window", log());
   }
   const bool fits =
@@ -336,22 +352,26 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
       (field.variable ? sent.shape[0] <= field.shape[0] : sent.shape[0] == field.shape[0]);
   if (!fits) {
     throw Error::participant(
-        fmt::format("{}: field '{}' was sent with shape {}, but the workflow says {}{}", from(),
-                    field.name, text_of(sent.shape), field.variable ? "at most " : "",
-                    text_of(field.shape)),
+        fmt::format("{} was sent with shape {}, but the workflow says {}{}", origin(f, window),
+                    text_of(sent.shape), field.variable ? "at most " : "", text_of(field.shape)),
         "change the script or the field's 'shape'", log());
   }
   State& state = states_[f];
   require_finite(
-      sent.values, [&] { return fmt::format("{}: field '{}'", from(), field.name); }, log);
+      sent.values, [&] { return origin(f, window); }, log);
   state.sent.assign(sent.values.begin(), sent.values.end());
   state.sent_shape = sent.shape;
+}
+
+void Engine::change_on_the_way(std::size_t f, std::int64_t window) {
+  const Field& field = plan_.fields[f];
+  State& state = states_[f];
   std::vector<double> next;
   if (field.transform) {
     next = field.transform(state.sent, state.sent_shape, state.received_shape);
     require_finite(
-        next, [&] { return fmt::format("{}: field '{}' after its transform", from(), field.name); },
-        log);
+        next, [&] { return origin(f, window) + " after its transform"; },
+        [&] { return partners_[field.from]->end_of_log(); });
   } else if (field.mapping) {
     std::vector<Field::Newest> inputs;
     for (const std::size_t input : field.inputs) {
@@ -371,7 +391,8 @@ void Engine::accept(std::size_t f, const Partner::Sent& sent, std::int64_t windo
 
 void Engine::relax(std::size_t f, std::span<const double> next) {
   State& state = states_[f];
-  state.residual = relative_residual(state.received, next, state.largest);
+  state.size = norm(next);
+  state.residual = relative_residual(state.received, next, state.scale());
   if (plan_.acceleration != Acceleration::iqn_ils) {
     state.relaxation.step(state.received, next);
     return;
@@ -394,7 +415,7 @@ void Engine::relax_together() {
     const State& state = states_[f];
     now.insert(now.end(), state.received.begin(), state.received.end());
     next.insert(next.end(), state.next.begin(), state.next.end());
-    weights.insert(weights.end(), state.next.size(), state.largest > 0 ? 1 / state.largest : 1.0);
+    weights.insert(weights.end(), state.next.size(), state.scale() > 0 ? 1 / state.scale() : 1.0);
   }
   quasi_newton_.step(now, next, weights);
   auto from = now.begin();

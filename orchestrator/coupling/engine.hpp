@@ -27,7 +27,7 @@ class Partner {
   [[nodiscard]] virtual const std::string& name() const = 0;
   /// Gives it the values of field number `field`.
   virtual void give(std::size_t field, std::span<const double> values, const Shape& shape) = 0;
-  /// Starts it on a window; returns at once.
+  /// Starts it on a window; returns as soon as it works on it.
   virtual void begin(std::int64_t window, std::int64_t iteration, double begin, double end) = 0;
   /// Waits until it has done it.
   virtual void finish() = 0;
@@ -166,6 +166,11 @@ class Engine {
   /// Returns the seconds that the partner worked.
   double finish(std::size_t p, Done& done);
   void accept(std::size_t f, const Partner::Sent& sent, std::int64_t window);
+  /// All that the partner sent, to where it goes.
+  void pass_on(std::size_t p, Done& done);
+  void change_on_the_way(std::size_t f, std::int64_t window);
+  /// Of a field, for messages.
+  [[nodiscard]] std::string origin(std::size_t f, std::int64_t window) const;
   /// Takes the next value of a relaxed field, and gives its receiver what it gets.
   void relax(std::size_t f, std::span<const double> next);
   void relax_together();

@@ -13,19 +13,21 @@ namespace {
 
 constexpr int kBlock = 6;                // windows
 constexpr std::size_t kComparisons = 5;  // growing blocks in a row
+constexpr std::size_t kSwings = 5;       // slow ones, each larger than the one before
 constexpr double kObvious = 1e3;         // growth that needs no more proof
 constexpr double kExplosion = 20;        // twice in a row, with alternating sign: no physics does
 constexpr double kRounding = 1e-10;      // of the field's size
 constexpr double kExponential = 0.85;    // growth of the second half over that of the first
 constexpr std::size_t kMostValues = 1024;
 
-/// Large arrays are looked at in places evenly spread over them: a divergence spares none.
-void sample(std::span<const double> values, std::vector<double>& few) {
+/// Large arrays are looked at in places evenly spread over rows and columns.
+void sample(std::span<const double> values, std::size_t row, std::vector<double>& few) {
   if (values.size() <= kMostValues) {
     few.assign(values.begin(), values.end());
     return;
   }
-  const std::size_t stride = values.size() / kMostValues + 1;
+  std::size_t stride = values.size() / kMostValues + 1;
+  while (std::gcd(stride, row) != 1) ++stride;  // else it would meet the same columns in every row
   few.resize((values.size() - 1) / stride + 1);
   for (std::size_t i = 0; i < few.size(); ++i) few[i] = values[i * stride];
 }
@@ -73,9 +75,9 @@ std::string Finding::text() const {
                      alternating ? ", with alternating sign" : "");
 }
 
-std::optional<Finding> StabilityWatch::observe(std::span<const double> values) {
+std::optional<Finding> StabilityWatch::observe(std::span<const double> values, std::size_t row) {
   if (!limits_.active) return std::nullopt;
-  sample(values, now_);
+  sample(values, row, now_);
   // Divided by the largest value, so that neither products nor sums overflow.
   scale_ = std::max(scale_, largest_of(now_));
   if (now_.size() != last_.size()) {
@@ -91,14 +93,16 @@ std::optional<Finding> StabilityWatch::observe(std::span<const double> values) {
   }
   const double product = product_of(change_, last_change_);
   const double size = largest_of(change_);
-  const std::optional<Finding> explosion = exploding(size * scale_, product < 0);
-  if (size > kRounding) {
-    block_.largest = std::max(block_.largest, size * scale_);
-    if (product < 0) ++block_.turns;
-  }
+  const bool real = size > kRounding;
+  const bool turned = real && product < 0;
+  const std::optional<Finding> explosion = exploding(size * scale_, turned);
+  const std::optional<Finding> slow = slow_growth(real ? size * scale_ : 0, turned);
+  if (real) block_.largest = std::max(block_.largest, size * scale_);
+  if (turned) ++block_.turns;
   std::swap(last_, now_);
   std::swap(last_change_, change_);
   if (explosion) return explosion;
+  if (slow) return slow;
   if (++block_.windows < kBlock) return std::nullopt;
   close_block();
   return verdict();
@@ -112,6 +116,48 @@ std::optional<Finding> StabilityWatch::exploding(double size, bool turned) {
   last_growth_ = growth;
   largest_ever_ = std::max(largest_ever_, size);
   return both ? std::optional<Finding>({per_window, true}) : std::nullopt;
+}
+
+std::optional<Finding> StabilityWatch::slow_growth(double size, bool turned) {
+  std::optional<Finding> found;
+  if (turned) {
+    swings_.push_back(std::exchange(swing_, {}));
+    found = verdict_on_swings();
+    if (swings_.size() > kSwings) {
+      largest_swing_ = std::max(largest_swing_, swings_.front().largest);
+      swings_.erase(swings_.begin());
+    }
+  }
+  swing_.largest = std::max(swing_.largest, size);
+  ++swing_.windows;
+  return found;
+}
+
+std::optional<Finding> StabilityWatch::verdict_on_swings() const {
+  // How much each of the newest swings has grown over the one before, as logarithms; faster ones
+  // are for blocks.
+  std::vector<double> growths;
+  double windows = 0;
+  for (std::size_t at = swings_.size(); at-- > 1;) {
+    const Swing& now = swings_[at];
+    const Swing& before = swings_[at - 1];
+    if (now.windows <= kBlock || before.largest <= 0) break;
+    const double growth = std::log(now.largest / before.largest);
+    if (growth <= std::log(limits_.growth) * now.windows) break;
+    growths.insert(growths.begin(), growth);
+    windows += now.windows;
+  }
+  const double total = std::accumulate(growths.begin(), growths.end(), 0.0);
+  const std::size_t half = growths.size() / 2;
+  const bool long_enough = growths.size() + 1 >= kSwings;
+  const bool exponential =
+      long_enough &&
+      std::accumulate(growths.end() - half, growths.end(), 0.0) >=
+          kExponential * std::accumulate(growths.begin(), growths.begin() + half, 0.0);
+  const bool obvious = growths.size() >= 2 && total >= std::log(kObvious);
+  if (!exponential && !obvious) return std::nullopt;
+  if (swings_.back().largest <= largest_swing_) return std::nullopt;
+  return Finding{std::exp(total / windows), true};
 }
 
 void StabilityWatch::close_block() {
@@ -183,6 +229,7 @@ void StabilityWatch::remember(Memory& memory, const std::string& name) {
   memory(name + ".largest_before", largest_before_);
   memory(name + ".oscillating_blocks", oscillating_blocks_);
   memory(name + ".decay", decay_);
+  memory(name + ".largest_swing", largest_swing_);
   std::size_t count = blocks_.size();
   memory(name + ".blocks", count);
   blocks_.resize(count);
@@ -193,6 +240,15 @@ void StabilityWatch::remember(Memory& memory, const std::string& name) {
   };
   one(block_, name + ".block");
   for (std::size_t b = 0; b < count; ++b) one(blocks_[b], fmt::format("{}.block{}", name, b));
+  std::size_t swings = swings_.size();
+  memory(name + ".swings", swings);
+  swings_.resize(swings);
+  const auto swing = [&](Swing& each, const std::string& at) {
+    memory(at + ".largest", each.largest);
+    memory(at + ".windows", each.windows);
+  };
+  swing(swing_, name + ".swing");
+  for (std::size_t s = 0; s < swings; ++s) swing(swings_[s], fmt::format("{}.swing{}", name, s));
 }
 
 }  // namespace sandglass::coupling

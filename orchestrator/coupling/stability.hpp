@@ -26,14 +26,14 @@ struct EnergyLimits {
   double growth = 2;                ///< over the first value, above which the run ends
 };
 
-/// Watches such an energy: what it gains is made by the coupling. An exchange with a lag makes it
-/// slowly, by far less in a window than StabilityWatch looks for, as long as a contact lasts; and a
-/// contact that opens holds every field within bounds.
+/// Watches such an energy, which begins at 0 or above: what it gains is made by the coupling. An
+/// exchange with a lag makes it slowly, by far less in a window than StabilityWatch looks for, as
+/// long as a contact lasts; and a contact that opens holds every field within bounds.
 class EnergyWatch {
  public:
   explicit EnergyWatch(double growth) : most_(growth) {}
-  /// Takes the energy of the next window. A number is its growth over the first one that was not 0,
-  /// above the limit.
+  /// Takes the energy of the next window. A number is its growth over the first one above 0, and
+  /// beyond the limit.
   std::optional<double> observe(double energy);
   /// Keeps or recalls what has been seen so far.
   void remember(Memory& memory, const std::string& name) { memory(name + ".first", first_); }
@@ -56,15 +56,18 @@ struct Finding {
 /// whatever the field converges to. Its largest size in every six windows is compared with that of
 /// the six before. An oscillation that has grown in five such comparisons in a row, or a
 /// thousandfold in fewer, beyond everything before, diverges (one that beats, almost alternating,
-/// may take longer); so does one that grows twentyfold twice running. A growth without oscillation
-/// must besides be exponential over 24 windows (powers of the time, as of a free fall, are not).
+/// may take longer); so does one that grows twentyfold twice running. Of an oscillation that is
+/// slower than these windows the largest changes between turns are compared: four times in a row
+/// they must have grown, exponentially, or a thousandfold in fewer. A growth without oscillation
+/// must be exponential over 24 windows (powers of the time, as of a free fall, are not).
 /// Changes that are lost in rounding, below 1e-10 of the field, are not looked at.
 class StabilityWatch {
  public:
   explicit StabilityWatch(StabilityLimits limits) : limits_(limits) {}
 
-  /// Takes the values of the next window. A finding means that the field diverges.
-  std::optional<Finding> observe(std::span<const double> values);
+  /// Takes the values of the next window, rows of so many each. A finding means that the field
+  /// diverges.
+  std::optional<Finding> observe(std::span<const double> values, std::size_t row = 1);
   /// An oscillation that has decayed, or is decaying: worth a warning when the run has ended.
   [[nodiscard]] std::optional<Finding> oscillation() const;
   /// Keeps or recalls what has been seen so far.
@@ -76,9 +79,17 @@ class StabilityWatch {
     int turns = 0;       ///< of its sign
     int windows = 0;
   };
+  /// From one turn of the sign to the next.
+  struct Swing {
+    double largest = 0;  ///< change
+    int windows = 0;
+  };
   /// A change that turned its sign and grew twentyfold, twice in a row: nobody needs to wait.
   std::optional<Finding> exploding(double size, bool turned);
   void close_block();
+  /// Takes the next change, as long as `turned` says its sign is not that of the one before.
+  std::optional<Finding> slow_growth(double size, bool turned);
+  [[nodiscard]] std::optional<Finding> verdict_on_swings() const;
   [[nodiscard]] std::optional<Finding> verdict() const;
   [[nodiscard]] std::optional<Finding> oscillating_growth() const;
   [[nodiscard]] std::optional<Finding> exponential_growth() const;
@@ -91,6 +102,9 @@ class StabilityWatch {
   double scale_ = 0;
   Block block_;
   std::vector<Block> blocks_;  ///< the newest last
+  Swing swing_;
+  std::vector<Swing> swings_;  ///< the newest last
+  double largest_swing_ = 0;   ///< change, before these swings
   double last_size_ = 0;       ///< of the change
   double last_growth_ = 0;     ///< of its size, where it turned its sign
   double largest_ever_ = 0;

@@ -12,8 +12,7 @@ using Shape = std::vector<std::int64_t>;
 struct FieldLayout {
   std::string name;
   std::string unit;
-  Shape capacity;         ///< the largest shape it can have
-  bool variable = false;  ///< the first axis may be shorter than `capacity` says
+  Shape capacity;  ///< the largest shape it can have; the first axis may turn out shorter
 };
 
 /// "[3, 2]"

@@ -278,7 +278,6 @@ Mapping::Mapping(MappingMethod method, const Interface& surface, std::span<const
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    distance_ = std::max(distance_, distances[i]);
     if (!(distances[i] <= limit)) {
       throw Error::participant(
           fmt::format("point {} at ({:.6g}) m is {:.6g} m from the interface it is mapped to", i,

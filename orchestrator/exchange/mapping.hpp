@@ -52,13 +52,9 @@ class Mapping {
   [[nodiscard]] std::vector<double> conservative(std::span<const double> values,
                                                  std::int64_t components) const;
   [[nodiscard]] std::size_t points() const { return entries_.size() / corners_; }
-  [[nodiscard]] std::size_t surface_points() const { return surface_points_; }
-  /// The largest distance from a point to the surface, m.
-  [[nodiscard]] double distance() const { return distance_; }
 
  private:
   std::size_t surface_points_ = 0;
-  double distance_ = 0;
   std::size_t corners_ = 1;     ///< of the cell that a point lies in, or its nearest point alone
   std::vector<Entry> entries_;  ///< [points, corners]
 };

@@ -212,7 +212,9 @@ void Slot::read_fresh(const std::string& path) {
       other_ranks_[i] = shape;
     }
   }
-  if (file.exists("/seconds")) *map_->seconds = file.read_numbers("/seconds").at(0);
+  if (!file.exists("/seconds")) return;
+  const std::vector<double> seconds = file.read_numbers("/seconds");
+  *map_->seconds = seconds.empty() ? 0 : seconds.front();
 }
 
 }  // namespace sandglass::exchange

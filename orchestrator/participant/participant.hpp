@@ -41,15 +41,13 @@ class Participant {
   [[nodiscard]] const std::string& log() const { return description_.command.log; }
   [[nodiscard]] const std::string& name() const { return description_.name; }
   [[nodiscard]] exchange::Slot& slot() { return slot_; }
-  [[nodiscard]] const std::vector<exchange::FieldLayout>& outputs() const {
-    return description_.outputs;
-  }
 
   /// Starts the process; returns at once, so that several start at the same time.
   void start();
   /// Waits until it is set up.
   void wait_until_ready();
-  /// Asks it to go on to the end of the window; returns at once.
+  /// Asks it to go on to the end of the window; returns at once, but where every window has a
+  /// process of its own, when that has been started.
   void begin(const exchange::Window& window);
   /// Waits for that.
   void finish();

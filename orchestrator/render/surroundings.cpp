@@ -67,7 +67,7 @@ bool Surroundings::same(const Surroundings& other) const {
   if (kind() != other.kind()) return false;
   return kind() == Kind::code ||
          (quote_ == other.quote_ && quotes_ == other.quotes_ && escaped_ == other.escaped_ &&
-          nested_ == other.nested_ && word_ == other.word_);
+          open_ == other.open_ && tangled_ == other.tangled_ && word_ == other.word_);
 }
 
 void Surroundings::read(std::string_view text) {
@@ -114,7 +114,7 @@ void Surroundings::begin_string(char quote) {
   quotes_ = 1;
   closing_ = 0;
   escaped_ = false;
-  nested_ = 0;
+  open_.clear();
   const bool dollar = language_ == Language::shell && quote == '\'' && last_ == '$';  // $'it\'s'
   escapes_ = dollar || contains(syntax_of(language_).escaping, quote);
 }
@@ -146,7 +146,7 @@ void Surroundings::read_string(char c) {
     closing_ = 0;
     return;
   }
-  if (c == '\\' && escapes_) {
+  if (c == '\\' && escapes_ && !open_.ends_with('\'')) {
     escaped_ = true;
     closing_ = 0;
   } else if (language_ == Language::shell && quote_ == '"' && read_substitution(c)) {
@@ -162,42 +162,75 @@ void Surroundings::read_string(char c) {
   }
 }
 
-/// "$(command "with strings")": all of it counts as the string.
+/// "$(command "with strings")", "`command`", "${name:-"value"}": all of it counts as the string.
+/// Where only a shell could tell where it ends, nothing behind it counts as code any more.
 bool Surroundings::read_substitution(char c) {
-  if (c == '(' && (nested_ > 0 || last_ == '$')) {
-    ++nested_;
-  } else if (c == ')' && nested_ > 0) {
-    --nested_;
+  if (tangled_) return true;
+  const char innermost = open_.empty() ? '"' : open_.back();
+  const bool inside = !open_.empty();
+  if (innermost == '\'') {
+    if (c == '\'') open_.pop_back();
+    return true;
   }
-  return nested_ > 0;
+  if (inside) {
+    substitution_ += c;
+    tangled_ = (c == '\'' && (innermost == '}' || last_ == '$')) || (c == '#' && is_blank(last_)) ||
+               substitution_.ends_with("case") || substitution_.ends_with("<<");
+  }
+  if (c == '`') {
+    const std::size_t begun = open_.find('`');
+    if (begun == open_.npos) {
+      open_ += '`';
+    } else {
+      open_.resize(begun);
+    }
+  } else if (c == '(' && (last_ == '$' || innermost == ')')) {
+    open_ += ')';
+  } else if (c == '{' && last_ == '$') {
+    open_ += '}';
+  } else if (inside && c == innermost) {  // a bracket or a string ends
+    open_.pop_back();
+  } else if (inside && innermost != '"' && (c == '"' || c == '\'')) {
+    open_ += c;
+  }
+  if (open_.empty()) substitution_.clear();
+  return inside || !open_.empty();
 }
 
-/// <<WORD, <<-WORD, <<'WORD': from the next line on until a line that is the word alone.
+/// <<WORD, <<-WORD, <<'WORD': from the next line on until a line that is the word alone, behind
+/// tabs after <<- only.
 bool Surroundings::read_here_document(char c) {
   if (kind_ == Kind::string && quote_ == '\n') {
     if (c != '\n') {
       line_ += c;
       return true;
     }
-    const size_t begin = line_.find_first_not_of('\t');
+    const std::size_t begin = tabs_ ? line_.find_first_not_of('\t') : 0;
     if (begin != line_.npos && line_.substr(begin) == word_) kind_ = Kind::code;
     line_.clear();
     return true;
   }
   if (kind_ != Kind::code) return false;
+  if (c == '(' && last_ == '(') arithmetic_ = true;
+  if (c == ')' && last_ == ')' && std::exchange(arithmetic_, false)) {
+    word_comes_ = document_comes_ = false;  // $((1 << 2)) was a shift
+  }
   if (word_comes_) {
+    tabs_ = tabs_ || (word_.empty() && c == '-');
     if (contains("'\"\\", c) || (word_.empty() && contains("- \t", c))) return true;
     if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_') {
       word_ += c;
       return true;
     }
     word_comes_ = false;
-    document_comes_ = !word_.empty();  // not after <<<, nor after a shift
+    document_comes_ = !word_.empty();  // not after <<<
   } else if (c == '<' && last_ == '<') {
     word_comes_ = true;
+    tabs_ = false;
     word_.clear();
     return true;
   }
+  if (c == '\n') arithmetic_ = false;
   if (c == '\n' && document_comes_) {
     document_comes_ = false;
     begin_string('\n');

@@ -49,12 +49,16 @@ class Surroundings {
   int closing_ = 0;              // how many of three have come
   bool escapes_ = false;         // a backslash in this string escapes
   bool escaped_ = false;         // behind such a backslash
-  int nested_ = 0;               // brackets of $(..) open in a shell's string
+  std::string open_;             // what ends the substitutions and strings open in a shell's string
+  std::string substitution_;     // the text of these
+  bool tangled_ = false;         // nobody but a shell knows where they end
   char last_ = 0;                // the character before
   std::string word_;             // of a here-document, or the name of an HTML tag
   std::string line_;             // of a here-document, so far
   bool word_comes_ = false;      // behind <<
   bool document_comes_ = false;  // at the next line
+  bool tabs_ = false;            // may stand before the word that ends it
+  bool arithmetic_ = false;      // behind ((
 };
 
 }  // namespace sandglass::render

@@ -85,19 +85,30 @@ Value::Map comparison_row(const ComparisonResult& comparison) {
           {"why", list_of(comparison.skipped)}};
 }
 
-/// A list shows its first values and how many there are.
+/// A list shows its first values and how many there are; lists in it stand in brackets.
+std::string shown_list(const Value::List& list) {
+  std::string text;
+  constexpr size_t most = 4;
+  for (size_t i = 0; i < std::min(most, list.size()); ++i) {
+    if (i > 0) text += ", ";
+    if (const double* number = list[i].as<double>()) {
+      text += pretty_number(*number, 4);
+    } else if (const Value::List* inner = list[i].as<Value::List>()) {
+      text += "[" + shown_list(*inner) + "]";
+    } else {
+      text += "…";
+    }
+  }
+  if (list.size() > most) text += fmt::format(", … ({} values)", list.size());
+  return text;
+}
+
 std::string shown_quantity(const Value& value, const std::string& unit) {
   if (value.absent()) return "not defined";
   if (const double* number = value.as<double>()) return pretty_quantity(*number, unit);
   const Value::List* list = value.as<Value::List>();
   if (list == nullptr) return {};
-  std::string text;
-  constexpr size_t most = 4;
-  for (size_t i = 0; i < std::min(most, list->size()); ++i) {
-    const double* number = (*list)[i].as<double>();
-    text += fmt::format("{}{}", i == 0 ? "" : ", ", number ? pretty_number(*number, 4) : "…");
-  }
-  if (list->size() > most) text += fmt::format(", … ({} values)", list->size());
+  const std::string text = shown_list(*list);
   const std::string shown = pretty_unit(unit);
   return shown.empty() ? text : text + "\u00a0" + shown;
 }
@@ -328,9 +339,11 @@ Value::List time_rows(const Result& result, const json& provenance) {
   for (const auto& [name, seconds] : parts) whole = std::max(whole, seconds);
   Value::List rows;
   for (size_t i = 0; i < parts.size(); ++i) {
-    const double share = whole > 0 ? 100 * parts[i].second / whole : 0;
-    rows.push_back(Value::Map{{"name", parts[i].first},
-                              {"seconds", pretty_seconds(parts[i].second)},
+    const auto& [name, seconds] = parts[i];
+    const double share = whole > 0 ? 100 * seconds / whole : 0;
+    const bool not_yet = name == "report" && seconds == 0;  // the page is written before
+    rows.push_back(Value::Map{{"name", name},
+                              {"seconds", not_yet ? "not yet known" : pretty_seconds(seconds)},
                               {"share", fmt::format("{:.2f}", std::clamp(share, 0.0, 100.0))},
                               {"memory", peaks[i]}});
   }

@@ -27,11 +27,17 @@ class MovingMapping {
     const std::int64_t components = shape.size() == 2 ? shape[1] : 1;
     result = shape;
     result[0] = 0;
-    if (from.shape[0] == 0 || to.shape[0] == 0) return {};  // one side has not spoken yet
+    if (to.shape[0] == 0) return {};  // the receiver has not spoken yet
     if (shape[0] != from.shape[0]) {
       throw Error::participant(fmt::format("field '{}' has {} values, but there are {} points '{}'",
                                            field_, shape[0], from.shape[0], mapping_.from_points),
                                "a participant must send as many values as points");
+    }
+    if (from.shape[0] == 0) {
+      if (!mapping_.conservative) return {};
+      // Nothing acts on any of the receiver's points.
+      result[0] = to.shape[0];
+      return std::vector<double>(static_cast<std::size_t>(to.shape[0] * components), 0.0);
     }
     update(inputs);
     result[0] = to.shape[0];

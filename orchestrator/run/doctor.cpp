@@ -125,7 +125,7 @@ Finding check_exchange(const std::string& folder) {
   Finding finding{"exchange", "memory-mapped HDF5 files",   false, false, hdf5::library_version(),
                   {},         "use a local disk for --out", 0};
   try {
-    exchange::Slot slot(folder + "/slot.h5", "doctor", {{"field", "1", {3}, false}}, {}, true);
+    exchange::Slot slot(folder + "/slot.h5", "doctor", {{"field", "1", {3}}}, {}, true);
     const std::vector<double> values = {1, 2, 3};
     slot.give(0, values, {3});
     const hdf5::File file(slot.path(), hdf5::File::Mode::read);

@@ -16,10 +16,7 @@ std::vector<exchange::FieldLayout> layouts(const workflow::Coupling& coupling,
   std::vector<exchange::FieldLayout> result;
   for (const std::size_t f : fields) {
     const workflow::Field& field = coupling.fields[f];
-    const bool identity = field.transform == workflow::Transform::identity;
-    result.push_back(
-        {field.name, field.unit, received ? field.received_shape : field.shape,
-         received && field.mapping ? true : field.variable && (identity || !received)});
+    result.push_back({field.name, field.unit, received ? field.received_shape : field.shape});
   }
   return result;
 }

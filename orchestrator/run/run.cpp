@@ -119,6 +119,9 @@ class Run {
                    "\n");
     for (const auto& [name, text] : options_.files) write_file(directory_.file(name), text);
     for (const std::string& name : solvers_of(workflow_)) require_installed(home_, name);
+    for (const workflow::Participant& one : workflow_.participants) {
+      require_environment(home_, one.command);
+    }
     // Reading whole solvers takes a while: it is done while they start.
     solvers_ = std::async(std::launch::async, identify_all, home_, solvers_of(workflow_)).share();
   }

@@ -53,6 +53,12 @@ Command lammps_command(const Home& home, int ranks) {
   return command;
 }
 
+void require_set_up(const Home& home, const std::string& name) {
+  if (std::filesystem::exists(home.solver_folder(name) + "/installed")) return;
+  throw Error::environment(fmt::format("the optional solver '{}' is not installed", name),
+                           fmt::format("./sandglass setup {}", name));
+}
+
 }  // namespace
 
 const std::vector<SolverInfo>& solvers() {
@@ -75,10 +81,12 @@ const SolverInfo& solver(const std::string& name) {
 }
 
 void require_installed(const Home& home, const std::string& name) {
-  namespace fs = std::filesystem;
-  if (!solver(name).package.empty() || fs::exists(home.solver_folder(name) + "/installed")) return;
-  throw Error::environment(fmt::format("the optional solver '{}' is not installed", name),
-                           fmt::format("./sandglass setup {}", name));
+  if (solver(name).package.empty()) require_set_up(home, name);
+}
+
+void require_environment(const Home& home, const std::vector<std::string>& command) {
+  const auto module = std::find(command.begin(), command.end(), "sandglass_private");
+  if (module != command.end() && module + 1 != command.end()) require_set_up(home, *(module + 1));
 }
 
 std::string solver_name(workflow::Solver which) {

@@ -29,6 +29,9 @@ std::string solver_name(workflow::Program program);
 /// Throws Error::environment when the solver is one that `setup` installs and it is not there.
 void require_installed(const Home& home, const std::string& name);
 
+/// The same of the private environment that a command runs in (python -m sandglass_private NAME).
+void require_environment(const Home& home, const std::vector<std::string>& command);
+
 /// The command that starts the solver as a participant (YADE and LAMMPS keep living around their
 /// script; FreeFEM's script holds the loop).
 Command participant_command(const Home& home, const workflow::Participant& participant,

@@ -137,6 +137,12 @@ class Reader {
            wanted == "1" ? "write a bare number, or one in %" : "use one unit throughout");
   }
 
+  void require_no_offset(const std::string& unit, const Place& place) const {
+    if (!Unit::has_offset(unit)) return;
+    report(place, fmt::format("a comparison in {}, whose 0 is not 0 in SI", unit),
+           "differences and limits need a unit that begins at 0, such as K");
+  }
+
   void read_units() {
     std::string tolerance_unit;
     if (const Node* tolerance = section_.find("tolerance")) {
@@ -147,11 +153,13 @@ class Reader {
     }
     const bool relative = result_.metric == Metric::relative_difference;
     result_.unit = section_.text("unit");
-    if (result_.unit.empty()) result_.unit = reference_unit_;
+    if (result_.unit.empty() && !Unit::has_offset(reference_unit_)) result_.unit = reference_unit_;
     if (result_.unit.empty() && !relative) result_.unit = tolerance_unit;
     if (result_.unit.empty()) result_.unit = "1";
     fit(reference_unit_, result_.unit, reference_place_);
     fit(tolerance_unit, relative ? "1" : result_.unit, section_.place("tolerance"));
+    require_no_offset(tolerance_unit, section_.place("tolerance"));
+    require_no_offset(section_.text("unit"), section_.place("unit"));
   }
 
   void read_holds_for() {

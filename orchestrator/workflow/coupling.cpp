@@ -145,6 +145,16 @@ void check_end(const Context& context, const Section& section, const char* key,
   }
 }
 
+/// How many values; beyond what a field may have it is only known to be more.
+std::int64_t size_of(const std::vector<std::int64_t>& shape) {
+  std::int64_t size = 1;
+  for (const std::int64_t length : shape) {
+    if (length > most_field_values / size) return most_field_values + 1;
+    size *= length;
+  }
+  return size;
+}
+
 void read_transform(const Context& context, const Section& section, const Declared& declared,
                     Field& field) {
   field.transform = transform_of(section.text("transform"));
@@ -160,6 +170,12 @@ void read_transform(const Context& context, const Section& section, const Declar
                          "remove it, or add transform: linear");
   }
   field.received_shape = exchange::transformed_shape(field.transform, field.shape, field.samples);
+  if (linear && size_of(field.received_shape) > most_field_values) {
+    context.problems.add(
+        section.place("samples"),
+        fmt::format("more than {} values of field '{}' arrive", most_field_values, declared.name),
+        "fewer 'samples' will do");
+  }
 }
 
 /// The fields that a mapping names: sent in the same run, and with the shape of points or cells.
@@ -184,6 +200,38 @@ void check_mapping_field(const Context& context, const Section& section, const c
         section.place(key),
         fmt::format("field '{}' is sent by '{}', not by '{}'", name, found->from, sender),
         "name the points of the participant at this end");
+  }
+}
+
+/// What a mapping and the fields that it names say of each other, as far as it is known before
+/// anybody has sent anything.
+void check_mapped_shapes(const Context& context, const Node& node, const Field& mapped,
+                         const FieldMapping& mapping, const std::vector<Field>& fields) {
+  const auto points = [&](const std::string& name) -> const Field* {
+    const auto found = std::find_if(fields.begin(), fields.end(),
+                                    [&](const Field& one) { return one.name == name; });
+    return found != fields.end() && found->shape.size() == 2 ? &*found : nullptr;
+  };
+  const Field* from = points(mapping.from_points);
+  const Field* to = points(mapping.to_points);
+  if (!from || !to || mapped.shape.empty()) return;
+  if (from->shape[1] != to->shape[1]) {
+    context.problems.add(context.scope.at(node),
+                         fmt::format("points '{}' have {} coordinates, points '{}' {}", from->name,
+                                     from->shape[1], to->name, to->shape[1]),
+                         "both sides need the same number");
+  }
+  if (!mapped.variable && !from->variable && mapped.shape[0] != from->shape[0]) {
+    context.problems.add(context.scope.at(node),
+                         fmt::format("field '{}' has {} values, but there are {} points '{}'",
+                                     mapped.name, mapped.shape[0], from->shape[0], from->name),
+                         "a participant must send as many values as points");
+  }
+  if (size_of(mapped.received_shape) > most_field_values) {
+    context.problems.add(
+        context.scope.at(node),
+        fmt::format("more than {} values of field '{}' arrive", most_field_values, mapped.name),
+        "make it smaller, or the points fewer");
   }
 }
 
@@ -218,6 +266,7 @@ void read_mappings(const Context& context, const Node& map, std::vector<Field>& 
       if (points.name != mapping.to_points || mine->received_shape.empty()) continue;
       mine->received_shape[0] = points.shape[0];
     }
+    check_mapped_shapes(context, *node, *mine, mapping, fields);
     mine->mapping = std::move(mapping);
   }
 }
@@ -273,11 +322,19 @@ std::set<std::string> used_by_mappings(const Node& fields) {
   return names;
 }
 
-/// The field that tells when nothing happens any more, or nothing.
-std::string field_of_rest(const Section& section) {
-  const Node* rest = section.find("rest");
-  const Node* field = rest && rest->kind == Node::Kind::map ? rest->find("field") : nullptr;
-  return field ? field->text : "";
+/// Names that the engine itself looks at: whether nothing happens any more, and whether the
+/// coupling makes energy.
+std::set<std::string> used_by_watches(const Section& section) {
+  const auto inside = [&](const char* key, const char* name) -> const Node* {
+    const Node* node = section.find(key);
+    return node && node->kind == Node::Kind::map ? node->find(name) : nullptr;
+  };
+  std::set<std::string> names;
+  if (const Node* field = inside("rest", "field")) names.insert(field->text);
+  if (const Node* energy = inside("stability", "energy")) {
+    for (const Node& item : energy->items) names.insert(item.text);
+  }
+  return names;
 }
 
 void read_fields(const Context& context, const Section& section, const Order& order,
@@ -288,7 +345,7 @@ void read_fields(const Context& context, const Section& section, const Order& or
   for (const Node::Key& key : map->keys) names.push_back(key.text);
   const Recorded recorded = read_record(context, names);
   std::set<std::string> used = used_by_mappings(*map);
-  used.insert(field_of_rest(section));
+  used.merge(used_by_watches(section));
   for (size_t i = 0; i < map->keys.size(); ++i) {
     if (map->items[i].kind != Node::Kind::map) continue;
     const Declared declared{names[i], context.scope.at(map->keys[i]), &map->items[i]};
@@ -346,9 +403,11 @@ void read_scheme(const Context& context, const Section& section, Coupling& coupl
 }
 
 void read_rest(const Context& context, const Section& section, Coupling& coupling) {
-  const std::string field = field_of_rest(section);
-  if (field.empty() || coupling.window <= 0) return;
-  const Section limits(*section.find("rest"), object("rest"), context.scope);
+  const Node* rest = section.find("rest");
+  if (!rest || rest->kind != Node::Kind::map || coupling.window <= 0) return;
+  const Section limits(*rest, object("rest"), context.scope);
+  const std::string field = limits.text("field");
+  if (field.empty()) return;
   const std::vector<std::string> names = names_of(coupling.fields);
   if (!contains(names, field)) {
     context.problems.unknown(limits.place("field"), "there is no field", field, names);

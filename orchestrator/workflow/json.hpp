@@ -11,18 +11,22 @@ namespace sandglass::workflow {
 ///   {"format": 1, "path", "name", "title", "description",
 ///    "parameters": {NAME: {"type", "value", "unit", "shown", "meaning", "source", "choices",
 ///                          "overridden"}},
-///    "stages": [{"name", "run", "template", "command", "given", "makes", "after", "analysis",
-///                "deadline_s"}],
+///    "stages": [{"name", "run", "template", "command", "given", "makes", "after", "reuse",
+///                "analysis", "deadline_s"}],
 ///    "stages_left_out": [NAME],
 ///    "participants": [{"name", "solver", "template", "window_template", "command", "given",
-///                      "process", "threads", "deadline_s"}],
-///    "coupling": {"scheme", "window_s", "end_s", "windows", "order", "exchange", "fields":
-///    [{"name",
-///                 "unit", "shape", "variable", "from", "to", "transform", "mapping", "samples",
-///                 "received_shape", "initial", "recorded"}], "fields_left_out"} or null,
+///                      "process", "threads", "ranks", "deadline_s"}],
+///    "coupling": {"scheme", "window_s", "end_s", "windows", "order", "exchange", "acceleration",
+///                 "reused_windows", "filter", "relaxation", "tolerance", "iterations",
+///                 "stability": {"watch", "growth", "monotone_growth", "energy", "energy_growth"},
+///                 "rest": {"field", "at_most", "windows"}, "checkpoint_every", "checkpoints_kept",
+///                 "fields": [{"name", "unit", "shape", "variable", "from", "to", "transform",
+///                             "mapping", "samples", "received_shape", "initial", "recorded",
+///                             "relaxed", "watched"}],
+///                 "fields_left_out"} or null,
 ///    "comparisons": [{"name", "quantity" | "curve", "reference", "metric", "tolerance", "unit",
 ///                     "because", "holds_for": [{"parameter", "value", "met"}]}],
-///    "left_out": [{"name", "of", "also", "what", "why", "active"}]}
+///    "left_out": [{"name", "of", "also", "what", "why", "active", "by"}]}
 /// `given` maps names to values, or to {"stage", "file"}. A number that JSON cannot hold is null.
 nlohmann::ordered_json to_json(const Workflow& workflow);
 

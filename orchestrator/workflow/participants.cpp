@@ -18,7 +18,6 @@ Solver solver_of(const std::string& name) {
   return solvers.at(name);
 }
 
-/// Whether --no-prune puts it back.
 void check_keys(const Context& context, const Section& section, const Participant& participant,
                 const std::string& solver) {
   const auto needs = [&](const char* key, const char* example) {

@@ -59,7 +59,7 @@ Scope Scope::silent() const {
 
 Scope Scope::assuming(const std::string& parameter, const std::string& choice) const {
   Scope copy = *this;
-  copy.assumed_ = {parameter, choice};
+  copy.assumed_[parameter] = choice;
   return copy;
 }
 
@@ -86,10 +86,9 @@ std::vector<std::string> Scope::parameter_names() const {
 }
 
 Value Scope::value_of(const Parameter& parameter) const {
-  if (!assumed_.first.empty() && assumed_.first == parameter.name) {
-    return Value::Choice{assumed_.second, parameter.choices};
-  }
-  return parameter.value;
+  const auto assumed = assumed_.find(parameter.name);
+  if (assumed == assumed_.end()) return parameter.value;
+  return Value::Choice{assumed->second, parameter.choices};
 }
 
 const Parameter* Scope::wanted(Place place, const std::string& name) const {
@@ -220,6 +219,10 @@ std::optional<Literal> Scope::literal(const Node& node) const {
   if (node.kind == Node::Kind::list) {
     Value::List list;
     for (const Node& item : node.items) {
+      if (item.kind == Node::Kind::nothing) {
+        report(at(item), "an item of the list is empty", "write it, or \"\" for an empty text");
+        return std::nullopt;
+      }
       const std::optional<Literal> value = literal(item);
       if (!value) return std::nullopt;
       if (value->file) {
@@ -271,7 +274,6 @@ std::optional<Literal> Scope::file_literal(const Node& node) const {
 }
 
 std::optional<FieldShape> Scope::shape(const Node& node) const {
-  constexpr std::int64_t most_values = std::int64_t{1} << 31U;
   static const Key length{.name = "shape", .kind = Kind::count, .reference = true, .minimum = 1};
   if (node.kind == Node::Kind::broken) return std::nullopt;
   if (node.kind != Node::Kind::list || node.items.empty() || node.items.size() > 8) {
@@ -293,6 +295,7 @@ std::optional<FieldShape> Scope::shape(const Node& node) const {
       }
       result.variable = true;
     }
+    if (axis->kind == Node::Kind::nothing) report(at(item), "an axis has no length");
     const std::optional<Value> value = scalar(*axis, length);
     if (!value) {
       good = false;
@@ -300,9 +303,10 @@ std::optional<FieldShape> Scope::shape(const Node& node) const {
     }
     const std::int64_t rows = *value->as<std::int64_t>();
     result.lengths.push_back(rows);
-    values = rows > most_values / values ? most_values + 1 : values * rows;
-    if (values > most_values) {
-      report(at(node), "the field has more than 2147483648 values", "make it smaller");
+    values = rows > most_field_values / values ? most_field_values + 1 : values * rows;
+    if (values > most_field_values) {
+      report(at(node), fmt::format("the field has more than {} values", most_field_values),
+             "make it smaller");
       return std::nullopt;
     }
   }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "workflow/keys.hpp"
@@ -25,6 +25,9 @@ struct Literal {
   Value value;
   std::optional<FileReference> file;
 };
+
+/// Of one field, on either side of its way.
+inline constexpr std::int64_t most_field_values = std::int64_t{1} << 31U;
 
 struct FieldShape {
   std::vector<std::int64_t> lengths;
@@ -76,7 +79,7 @@ class Scope {
   std::string file_;
   const std::vector<Parameter>* parameters_;
   Problems* problems_;
-  std::pair<std::string, std::string> assumed_;
+  std::map<std::string, std::string> assumed_;  ///< choice of a parameter
 };
 
 }  // namespace sandglass::workflow

@@ -16,6 +16,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "render/utf8.hpp"
+
 namespace sandglass::workflow {
 namespace {
 
@@ -58,25 +60,7 @@ class Lines {
   std::vector<std::size_t> begins_{0};
 };
 
-/// The length of the UTF-8 character at `at` and its code point; length 0 when it is not one.
-std::pair<std::size_t, std::uint32_t> character_at(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned first = byte(at);
-  if (first < 0x80U) return {1, first};
-  const std::size_t length = first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
-  if (first < 0xC2U || first > 0xF4U || at + length > text.size()) return {0, 0};
-  std::uint32_t code = first & (0x7FU >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(at + i) & 0xC0U) != 0x80U) return {0, 0};
-    code = (code << 6U) | (byte(at + i) & 0x3FU);
-  }
-  const bool overlong = (length == 3 && code < 0x800U) || (length == 4 && code < 0x10000U);
-  const bool surrogate = code >= 0xD800U && code <= 0xDFFFU;
-  if (overlong || surrogate || code > 0x10FFFFU) return {0, 0};
-  return {length, code};
-}
-
-bool control(std::uint32_t code) {
+bool control(char32_t code) {
   return (code < 0x20U && code != '\n' && code != '\t') || (code >= 0x7FU && code < 0xA0U);
 }
 
@@ -90,11 +74,12 @@ bool characters_are_good(const std::string& text, const std::string& file, Probl
   bool indenting = true;
   bool tabbed = false;
   std::int64_t brackets = 0;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto [length, code] = character_at(text, i);
-    if (length == 0) return report(i, "this is not UTF-8", "save the file as UTF-8 text");
+  for (std::size_t i = 0, next = 0; i < text.size(); i = next) {
+    const char32_t code = utf8::decode(text, next);
+    if (code == utf8::invalid) return report(i, "this is not UTF-8", "save the file as UTF-8 text");
     if (control(code)) {
-      return report(i, fmt::format("control character U+{:04X}", code), "remove it");
+      return report(i, fmt::format("control character U+{:04X}", static_cast<std::uint32_t>(code)),
+                    "remove it");
     }
     // yaml-cpp takes an indenting tab as part of the key that follows it.
     if (code == '\n') {
@@ -103,7 +88,8 @@ bool characters_are_good(const std::string& text, const std::string& file, Probl
     } else if (indenting && code == '\t') {
       tabbed = true;
     } else if (code != ' ') {
-      if (indenting && tabbed) return report(i, "a tab in the indentation", "indent with spaces");
+      if (indenting && tabbed && code != '#')
+        return report(i, "a tab in the indentation", "indent with spaces");
       indenting = false;
     }
     // A bound on what the scanner looks ahead over; the exact depth is watched while the tree
@@ -111,7 +97,6 @@ bool characters_are_good(const std::string& text, const std::string& file, Probl
     if (code == '[' || code == '{') ++brackets;
     if (code == ']' || code == '}') brackets = std::max<std::int64_t>(0, brackets - 1);
     if (brackets > 1000) return report(i, "nested too deeply", "at most 50 levels");
-    i += length;
   }
   return true;
 }
@@ -303,10 +288,9 @@ const Node* Node::find(const std::string& key) const {
 }
 
 bool is_clean_text(const std::string& text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto [length, code] = character_at(text, i);
-    if (length == 0 || control(code)) return false;
-    i += length;
+  for (std::size_t at = 0; at < text.size();) {
+    const char32_t code = utf8::decode(text, at);
+    if (code == utf8::invalid || control(code)) return false;
   }
   return true;
 }

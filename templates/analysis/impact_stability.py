@@ -21,7 +21,7 @@ class Theory:
         spring = hertz_stiffness(p['sphere_radius'], p['sphere_young'], p['sphere_poisson'], p['beam_young'], p['beam_poisson'])
         self.beam = Beam(p['beam_length'], p['beam_width'], p['beam_height'], p['beam_young'], p['beam_poisson'],
                          p['beam_density'], p['beam_length'] / 2 + p['impact_offset'], 'timoshenko', modes=40)
-        self.run = impact(self.beam, spring, self.mass, p['impact_velocity'], p['end_time'], p['end_time'] / 3000, p['gap'])
+        self.run = converged_impact(self.beam, spring, self.mass, p['impact_velocity'], p['end_time'], p['end_time'] / 3000, p['gap'])
         time, force = self.run['time'], self.run['force']
         velocity = numpy.gradient(self.run['deflection'], time)
         self.gain_rate = -numpy.trapz(numpy.gradient(force, time) * velocity, time) / self.initial

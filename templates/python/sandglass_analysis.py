@@ -141,7 +141,7 @@ def open_study():
 def quantity(name, value, unit, meaning=""):
     """A result: a number, a (nested) list of numbers, or None where it is not defined in this run.
 
-    A number that is not finite becomes null as well: JSON has no other word for it.
+    A number that is not finite is kept as "nan" or "inf": a comparison with it fails, where one with None is skipped.
     """
     _fresh_name(name, _quantities, "quantity")
     _quantities[name] = {"value": _plain(value), "unit": unit, "meaning": meaning}

@@ -20,9 +20,6 @@ import traceback
 import types
 
 
-remove_at_end = []  # YADE makes a folder /tmp/yade-XXXXXX, and removes it only when it leaves in its own way
-
-
 def start_yade(threads):
     """Starts YADE within this process and returns its namespace, in which scripts run.
 
@@ -48,7 +45,10 @@ def start_yade(threads):
     with open(launcher, encoding="utf-8") as file:
         code = compile(file.read(), launcher, "exec")
     exec(code, namespace)
-    remove_at_end.append(os.path.dirname(namespace["O"].tmpFilename()))
+    # YADE removes its folder in /tmp only when it leaves in its own way; nothing of ours uses it.
+    folder = os.path.dirname(namespace["O"].tmpFilename())
+    if os.path.basename(folder).startswith("yade-"):
+        shutil.rmtree(folder, ignore_errors=True)
     del sys.modules["IPython"]  # a script that wants the real one gets it
     namespace["__name__"] = "__main__"
     return namespace
@@ -153,9 +153,6 @@ if __name__ == "__main__":
         traceback.print_exc()
         status = 1
     # Leaving the ordinary way runs the destructors of YADE's libraries, which takes long and can crash.
-    for folder in remove_at_end:
-        if os.path.basename(folder).startswith("yade-"):
-            shutil.rmtree(folder, ignore_errors=True)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)

@@ -22,11 +22,8 @@ struct SlotUnderTest {
   std::string path =
       (std::filesystem::temp_directory_path() / ("fuzzed-slot-" + std::to_string(::getpid())))
           .string();
-  exchange::Slot slot{path,
-                      "fuzzed",
-                      {{"force", "N", {3}, false}},
-                      {{"motion", "m", {4, 3}, true}, {"mass", "kg", {1}, false}},
-                      true};
+  exchange::Slot slot{
+      path, "fuzzed", {{"force", "N", {3}}}, {{"motion", "m", {4, 3}}, {"mass", "kg", {1}}}, true};
   int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
   off_t bytes = ::lseek(file, 0, SEEK_END);
 

@@ -27,16 +27,18 @@ GRAINS = """
 import numpy
 from sandglass_participant import connect
 participant = connect()
-tips = numpy.array([0.03, 0.31, 0.5, 0.97])
-height = %s
+all_tips = numpy.array([0.03, 0.31, 0.5, 0.97])
+height, gone = %s, %s  # m, the window without any tip
 
 def advance():
+    count = 0 if participant.window.index == gone else 4
+    tips = all_tips[:count]
     participant.send("tips", numpy.column_stack([tips, height + 0 * tips]))
     bent = participant.receive("shape")
-    exact = numpy.column_stack([2 + 3 * tips, -tips])
+    exact = numpy.column_stack([2 + 3 * all_tips, -all_tips])
     error = abs(bent - exact).max() if len(bent) else 0.0
     participant.send("error", [len(bent), error])
-    participant.send("push", numpy.column_stack([0 * tips, [1.0, -2.0, 4.0, 0.5]]))
+    participant.send("push", numpy.column_stack([0 * tips, [1.0, -2.0, 4.0, 0.5][:count]]))
 
 participant.serve(advance)
 """
@@ -66,9 +68,9 @@ coupling:
 
 
 class Mapping(Case):
-    def run_scene(self, height=0.001, name="mapping", scheme="serial-explicit", method="linear", to="nodes", limit="10 mm"):
+    def run_scene(self, height=0.001, name="mapping", scheme="serial-explicit", method="linear", to="nodes", limit="10 mm", gone=0):
         self.place.write("body.py", BODY)
-        self.place.write("grains.py", GRAINS % height)
+        self.place.write("grains.py", GRAINS % (height, gone))
         text = WORKFLOW % dict(place=self.place.path, scheme=scheme, method=method, to=to, limit=limit)
         return self.run_workflow(text, name=name)
 
@@ -86,6 +88,12 @@ class Mapping(Case):
             numpy.testing.assert_allclose(mapped[-1:, 2], 0.03 - 2 * 0.31 + 4 * 0.5 + 0.5 * 0.97, rtol=1e-13)
             self.assertEqual(list(error[:, 0])[-3:], [4, 4, 4])
             self.assertLess(error[:, 1].max(), 1e-14)
+
+    def test_where_nobody_pushes_the_push_is_zero(self):
+        run = self.run_scene(name="gone", gone=4)
+        self.assert_code(run, DONE)
+        numpy.testing.assert_array_equal(run.record["seen"][3], [9, 0, 0])
+        numpy.testing.assert_allclose(run.record["seen"][4, :2], [9, 3.5], rtol=1e-14)
 
     def test_the_nearest_point_keeps_the_sum_only(self):
         run = self.run_scene(name="nearest", method="nearest", limit="200 mm")

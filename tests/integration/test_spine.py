@@ -5,6 +5,7 @@ import hashlib
 import json
 import math
 import os
+import shutil
 import unittest
 
 import numpy
@@ -13,6 +14,7 @@ import settling
 from case import BINARY, DONE, ENVIRONMENT, HOME, REFUSED, SCRIPTED, SPHERE, USAGE, Case, Loads, copy_of_home, read, sets, \
     together, wait_until, write
 
+STUDY = os.path.join(HOME, "workflows", "icy_stokes_stability.yaml")
 SHORT = sets(end_time="3 ms")  # three windows say as much as thirty where only equality is asked
 
 
@@ -229,6 +231,14 @@ class DefaultRun(Case):
         self.assert_code(status, DONE)
         self.assertIn("done", status.out)
         self.assertIn("30", status.out)
+        # A run that cannot be understood does not hide the others.
+        damaged = self.place.join("damaged")
+        shutil.copytree(self.run_ended.directory, damaged)
+        write(os.path.join(damaged, "result.json"), "{")
+        both = self.sandglass("status", damaged, self.run_ended.directory)
+        self.assert_code(both, ENVIRONMENT)
+        self.assertIn("cannot be told", both.out)
+        self.assertIn("done, 30 windows", both.out)
 
     def json(self, name):
         return json.loads(read(self.run_ended.path(name)))
@@ -386,6 +396,7 @@ class OtherWays(Case):
         variants = {
             "parallel": sets(scheme="parallel-explicit", window="0.5 ms", end_time="6 ms"),
             "damped": sets(numerical_damping=0.509, end_time="8 ms"),
+            "damped implicit": sets(numerical_damping=0.3, end_time="4 ms", scheme="serial-implicit", acceleration="aitken"),
             "at rest": sets(density=1000, end_time="2 ms"),
             "box": sets(fluid="box", end_time="8 ms"),
             "navier_stokes": sets(fluid="navier_stokes", end_time="6 ms"),
@@ -411,6 +422,10 @@ class OtherWays(Case):
         exact = settling.serial_velocity(8, 1e-3, damping=0.509, **settling.PAPER)
         numpy.testing.assert_allclose(self.velocity("damped"), exact, rtol=0, atol=1e-5 * self.terminal)
         self.assertLessEqual(self.runs["damped"].quantity("velocity_difference_scheme_max"), 1e-5 * self.terminal)
+
+    def test_what_has_no_closed_form_is_not_held_against_one(self):
+        self.assert_code(self.runs["damped implicit"], DONE)
+        self.assertIsNone(self.runs["damped implicit"].quantity("velocity_difference_scheme_max"))
 
     def test_a_sphere_as_heavy_as_the_fluid_stays_where_it_is(self):
         # Weight and buoyancy agree to rounding: 1e-16 of gravity for 1 ms.
@@ -477,6 +492,16 @@ class NothingStarted(Case):
         plan = self.look("plan", SPHERE)
         self.assert_code(plan, DONE)
         self.assertIn("fluid solve, windows 2 to 30", plan.out)
+
+    def test_words_that_are_no_use_are_named(self):
+        for words, said in ((("rnu", SPHERE), "there is no verb 'rnu'; did you mean 'run'?"),
+                            (("replay", "x", "--window", "0"), "windows are counted from 1"),
+                            (("run", STUDY), "sandglass study " + STUDY)):
+            ended = self.look(*words)
+            self.assert_code(ended, USAGE)
+            self.assert_said(ended, said)
+        self.assert_code(self.look("check", STUDY, *sets(gravity="9.8 m/s2")), DONE)
+        self.assert_code(self.look("run", "--no-prune", SPHERE, "--dry-run"), DONE)
 
     def test_every_name_of_the_contract_can_be_set_with_a_unit_and_bare(self):
         for words in (dict(diameter="0.2 mm"), dict(diameter="200 um"), dict(diameter="2e-4"),

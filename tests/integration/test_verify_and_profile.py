@@ -116,7 +116,7 @@ class Verify(Finished):
             self.verify(run, ENVIRONMENT, "cannot be understood")
         os.remove(os.path.join(run, "ro-crate-metadata.json"))
         self.verify(run, ENVIRONMENT, "resume")
-        self.verify(self.place.join("nowhere"), USAGE)
+        self.verify(self.place.join("nowhere"), ENVIRONMENT)
 
 
 class Crate(Finished):

@@ -33,6 +33,12 @@ auto with(const Action& action) {
 }
 
 template <int D>
+void require_grid(const Kept<D>& one) {
+  if (!one.grid)
+    throw std::runtime_error("there is no grid yet: call mpmBoxGrid or mpmTriangleGrid first");
+}
+
+template <int D>
 Body<D>& body_of(Kept<D>& one) {
   if (!one.body)
     throw std::runtime_error("there is no body of material points yet: call mpmBody first");
@@ -102,6 +108,7 @@ long box(Stack, KN<double>* origin, KN<double>* size, KN<long>* cells) {
 
 long triangles(Stack, KNM<double>* nodes, KNM<double>* corners) {
   return telling_anybody([&]() -> long {
+    if (corners->M() < 3) throw std::runtime_error("rows of 3 corners are needed");
     std::vector<std::array<int, 3>> numbers(static_cast<std::size_t>(corners->N()));
     for (long t = 0; t < corners->N(); ++t)
       for (long k = 0; k < 3; ++k)
@@ -115,6 +122,7 @@ long triangles(Stack, KNM<double>* nodes, KNM<double>* corners) {
 
 long grid_nodes(Stack, KNM<double>* positions) {
   return with([&]<int D>(Kept<D>& one) -> long {
+    if (!one.body) require_grid(one);
     fill<D>(*positions, one.body ? one.body->grid().nodes() : one.grid->nodes());
     return positions->N();
   });
@@ -124,8 +132,7 @@ long grid_nodes(Stack, KNM<double>* positions) {
 
 long body(Stack, string* state, double young, double poisson, KN<double>* density_thickness) {
   return with([&]<int D>(Kept<D>& one) -> long {
-    if (!one.grid)
-      throw std::runtime_error("there is no grid yet: call mpmBoxGrid or mpmTriangleGrid first");
+    require_grid(one);
     mpm::State which = mpm::State::solid;
     if (*state == "plane stress") {
       which = mpm::State::plane_stress;
@@ -138,6 +145,9 @@ long body(Stack, string* state, double young, double poisson, KN<double>* densit
       throw std::runtime_error("'" + *state + "' does not fit a grid of " + std::to_string(D) +
                                " dimensions");
     }
+    if (density_thickness->N() < 4 - D)
+      throw std::runtime_error(D == 2 ? "a plane body needs density and thickness"
+                                      : "a body needs its density");
     one.body = std::make_unique<Body<D>>(
         std::move(one.grid), std::make_unique<mpm::LinearElastic>(young, poisson, which),
         (*density_thickness)[0], D == 2 ? (*density_thickness)[1] : 1);

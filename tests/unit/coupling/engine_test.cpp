@@ -356,6 +356,40 @@ TEST(Values, BeforeAVariableFieldWasSentItHasNoRows) {
   EXPECT_TRUE(fluid.received[0].empty());
 }
 
+TEST(Values, AreMappedBetweenPointsOfTheSameWindowInWhateverOrder) {
+  for (const Scheme scheme : {Scheme::serial_explicit, Scheme::parallel_explicit}) {
+    for (const std::size_t grains : {0U, 1U}) {
+      const std::size_t body = 1 - grains;
+      FakePartner tips("grains", [](FakePartner& self) {
+        self.send(0, {1});
+        self.send(1, {static_cast<double>(self.window)});
+      });
+      std::vector<double> got;
+      FakePartner wall("body", [&](FakePartner& self) {
+        if (!self.received[0].empty()) got.push_back(self.received[0][0]);
+        self.send(2, {10.0 * static_cast<double>(self.window)});
+      });
+      // What is mapped stands before the points between which it is mapped.
+      Plan plan = plan_of(scheme, 1, 4,
+                          {field("push", grains, body), field("tips", grains, kNobody),
+                           field("wall", body, kNobody)});
+      plan.fields[0].inputs = {1, 2};
+      plan.fields[0].mapping = [](std::span<const double>, const Shape&,
+                                  const std::vector<Field::Newest>& inputs, Shape& result) {
+        result = {1};
+        return Numbers{inputs[0].values[0] + inputs[1].values[0]};
+      };
+      std::vector<Partner*> partners{&tips, &wall};
+      if (grains == 1) std::swap(partners[0], partners[1]);
+      run(plan, partners, FakeClock(), kIgnoreBefore, kIgnoreAfter);
+      const bool at_once = scheme == Scheme::parallel_explicit;
+      // In turn, the wall moves after the tips, or has moved before them.
+      const bool first = !at_once && grains == 0;
+      EXPECT_EQ(got, first ? (Numbers{1, 12, 23, 34}) : (Numbers{11, 22, 33})) << grains;
+    }
+  }
+}
+
 TEST(Values, ForNobodyAreRecordedOnly) {
   FakePartner grains("grains", [](FakePartner& self) { self.send(0, {4}); });
   const Plan plan = plan_of(Scheme::serial_explicit, 1, 1, {field("energy", 0, kNobody)});
@@ -594,6 +628,38 @@ TEST(AskedOnce, ARelaxedFieldGoesOnTowardsTheSameAnswer) {
   for (std::int64_t index = 1; index <= plan.windows; ++index) engine.window(index);
   EXPECT_EQ(forces, (std::vector<double>{4, 6, 7, 7.5}));
   EXPECT_EQ(engine.spared(0).windows, 3);
+}
+
+TEST(Implicit, WhatAnIterationTriesOnItsWayIsNoMeasure) {
+  // y = 1 + G x, with roots that Aitken's factor finds only through very large values.
+  Plan plan =
+      plan_of(Scheme::serial_implicit, 1, 8, {field("x", 1, 0, {4}), field("y", 0, 1, {4})});
+  plan.acceleration = Acceleration::aitken;
+  plan.relaxation = 0.5;
+  plan.tolerance = 1e-4;
+  plan.most_iterations = 5000;
+  plan.fields[1].relaxed = true;
+  const Numbers gain{-10, -46.4, -215.4, -1000};
+  FakePartner one("one", [&](FakePartner& self) {
+    Numbers y(4, 1.0);
+    for (std::size_t i = 0; i < 4; ++i) y[i] += gain[i] * self.received[0][i];
+    self.send(1, y);
+  });
+  FakePartner other("other", [](FakePartner& self) { self.send(0, self.received[1]); });
+  Numbers ended;
+  try {
+    run(plan, {&one, &other}, FakeClock(), kIgnoreBefore,
+        [&](const Done&) { ended = other.received[1]; });
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did not converge"));
+    return;
+  }
+  double far = 0, size = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    far += std::pow(ended[i] - 1 / (1 - gain[i]), 2);
+    size += std::pow(1 / (1 - gain[i]), 2);
+  }
+  EXPECT_LT(std::sqrt(far / size), 1e-3);
 }
 
 // ---- oscillations

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -49,6 +50,60 @@ TEST(StabilityWatch, SeesGrowingAndDecayingOscillationsOfEveryPeriod) {
     };
     EXPECT_GT(window_of_verdict(swing(1.05), 40), 0) << degrees;
     EXPECT_EQ(window_of_verdict(swing(0.95), 3000), 0) << degrees;
+  }
+}
+
+TEST(StabilityWatch, SeesSlowOscillationsThatGrow) {
+  for (const double degrees : {3.0, 6.0, 9.0, 10.0, 15.0, 20.0, 30.0}) {
+    for (const double growth : {1.03, 1.1, 1.3}) {
+      const auto swing = [&](double size) {
+        return [=](int n) {
+          return 1 + 1e-3 * std::pow(size, n) * std::cos(n * degrees * std::numbers::pi / 180);
+        };
+      };
+      EXPECT_GT(window_of_verdict(swing(growth), 600), 0) << degrees << " " << growth;
+      EXPECT_EQ(window_of_verdict(swing(1 / growth), 600), 0) << degrees << " " << growth;
+    }
+  }
+}
+
+TEST(StabilityWatch, IsSilentForAResonance) {
+  // Its swings grow as 1, 2, 3, ...: by a half, a third, a quarter.
+  for (int half = 8; half <= 60; ++half) {
+    for (const double power : {1.0, 2.0}) {
+      const auto resonance = [&](int n) {
+        return std::pow(n, power) * std::sin(std::numbers::pi * n / half);
+      };
+      EXPECT_EQ(window_of_verdict(resonance, 3000), 0) << half << " " << power;
+    }
+  }
+}
+
+TEST(StabilityWatch, LooksAtEveryColumnOfALargeField) {
+  for (const std::size_t row : {1U, 2U, 3U, 4U, 6U, 9U}) {
+    for (const std::size_t rows : {300U, 513U, 683U, 1000U, 1707U, 5000U}) {
+      StabilityWatch watch{StabilityLimits{}};
+      int found = 0;
+      for (int n = 1; n <= 200 && found == 0; ++n) {
+        std::vector<double> values(rows * row, 0.0);
+        for (std::size_t i = row - 1; i < values.size(); i += row) {
+          values[i] = 1 - std::pow(-1.3, n);
+        }
+        if (watch.observe(values, row)) found = n;
+      }
+      EXPECT_GT(found, 0) << rows << " rows of " << row;
+    }
+  }
+}
+
+TEST(StabilityWatch, DoesNotTakeRoundingForAnExplosion) {
+  const double ulp = std::numeric_limits<double>::epsilon();
+  const double changes[] = {0, 1, -30, 900, -27000};
+  double value = 1;
+  StabilityWatch watch{StabilityLimits{}};
+  for (const double change : changes) {
+    value += change * ulp;
+    EXPECT_FALSE(watch.observe({&value, 1})) << change;
   }
 }
 

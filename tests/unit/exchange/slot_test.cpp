@@ -27,13 +27,11 @@ using Counts = std::vector<std::int64_t>;
 class SlotTest : public testing::Test {
  protected:
   static const std::vector<FieldLayout>& inputs() {
-    static const std::vector<FieldLayout> fields{{"drag", "N", {3}, false},
-                                                 {"positions", "m", {4, 2}, true}};
+    static const std::vector<FieldLayout> fields{{"drag", "N", {3}}, {"positions", "m", {4, 2}}};
     return fields;
   }
   static const std::vector<FieldLayout>& outputs() {
-    static const std::vector<FieldLayout> fields{{"velocity", "m/s", {2}, false},
-                                                 {"forces", "N", {3, 2}, true}};
+    static const std::vector<FieldLayout> fields{{"velocity", "m/s", {2}}, {"forces", "N", {3, 2}}};
     return fields;
   }
   [[nodiscard]] Slot slot(bool mapped = true) const {
@@ -212,7 +210,7 @@ TEST_F(SlotTest, AFullDiskIsFoundAtTheStart) {
   EXPECT_EQ(test::run_elsewhere([&] {
               test::limit_file_size(1 << 20);
               try {
-                const Slot made(path_, "fluid", {{"huge", "m", {1 << 20}, false}}, {}, true);
+                const Slot made(path_, "fluid", {{"huge", "m", {1 << 20}}}, {}, true);
               } catch (const Error& error) {
                 return error.code() == ExitCode::environment && !test::remedy_of(error).empty() ? 0
                                                                                                 : 1;
@@ -223,7 +221,7 @@ TEST_F(SlotTest, AFullDiskIsFoundAtTheStart) {
 }
 
 TEST_F(SlotTest, TakesItsSpaceOnTheDiskAtTheStart) {
-  const Slot made(path_, "fluid", {{"large", "m", {1 << 17}, false}}, {}, true);
+  const Slot made(path_, "fluid", {{"large", "m", {1 << 17}}}, {}, true);
   struct stat status {};
   ASSERT_EQ(::stat(path_.c_str(), &status), 0);
   EXPECT_GE(status.st_blocks * 512, 1 << 20) << "a hole would be a deadly signal on a full disk";

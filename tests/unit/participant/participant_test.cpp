@@ -66,8 +66,8 @@ class ParticipantTest : public testing::Test {
     made.command.directory = made.work_directory;
     made.command.log = log_of(made.name);
     made.slot = scratch_.file(made.name + ".h5");
-    made.inputs = {{"drag", "N", {2}, false}, {"positions", "m", {2, 2}, true}};
-    made.outputs = {{"velocity", "m/s", {3}, false}, {"forces", "N", {2, 2}, true}};
+    made.inputs = {{"drag", "N", {2}}, {"positions", "m", {2, 2}}};
+    made.outputs = {{"velocity", "m/s", {3}}, {"forces", "N", {2, 2}}};
     made.deadline = kLong;
   }
   static std::string faults() { return std::string(SANDGLASS_SOURCE_DIR) + "/tests/faults"; }

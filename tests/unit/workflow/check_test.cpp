@@ -218,6 +218,9 @@ TEST_F(Check, FieldsOfAWrongShapeUnitOrTransform) {
     d: {unit: N, shape: [1], from: fluid, to: grains, initial: 3 m}
     e: {unit: new, shape: [2000000, 2000000], from: fluid, to: grains}
     f: {unit: N, shape: [$diameter], from: fluid, to: grains}
+    g: {unit: N, shape: [~, 3], from: fluid, to: grains}
+    h: {unit: N, shape: [{at_most: ~}, 3], from: fluid, to: grains}
+    i: {unit: N, shape: [3], from: fluid, to: grains, transform: linear, samples: 1000000000000}
 )")),
       ElementsAre("w.yaml:41:28: 'shape' must be a list of 1 to 8 lengths",
                   "w.yaml:42:29: an axis must be a length",
@@ -226,7 +229,49 @@ TEST_F(Check, FieldsOfAWrongShapeUnitOrTransform) {
                   "w.yaml:45:64: unit 'm' does not fit N", "w.yaml:46:15: unknown unit 'new'",
                   "w.yaml:46:27: the field has more than 2147483648 values",
                   "w.yaml:47:26: parameter 'diameter' is a number in mm, not a count (give it "
-                  "'type: count')"));
+                  "'type: count')",
+                  "w.yaml:48:26: an axis has no length", "w.yaml:49:26: an axis has no length",
+                  "w.yaml:50:83: more than 2147483648 values of field 'i' arrive"));
+}
+
+TEST_F(Check, MappingsBetweenPointsThatDoNotFit) {
+  const std::string fields = "    drag: {unit: N, shape: [1], from: fluid, to: grains}\n";
+  EXPECT_THAT(project.problems(changed(coupled, fields,
+                                       R"(    drag: {unit: N, shape: [1], from: fluid, to: grains}
+    tips: {unit: m, shape: [4, 3], from: grains}
+    wall: {unit: m, shape: [{at_most: 9}, 2], from: fluid}
+    push: {unit: N, shape: [5, 3], from: grains, to: fluid, mapping: {kind: conservative, method: linear, from_points: tips, to_points: wall, limit: 1 mm}}
+)")),
+              ElementsAre("w.yaml:44:70: field 'push' has 5 values, but there are 4 points 'tips'",
+                          "w.yaml:44:70: points 'tips' have 3 coordinates, points 'wall' 2"));
+}
+
+TEST_F(Check, TheWatchesFieldsNeedNotBeRecorded) {
+  const std::string fields = "    drag: {unit: N, shape: [1], from: fluid, to: grains}\n";
+  const std::string text =
+      changed(coupled, fields, fields + R"(    e: {unit: J, shape: [1], from: fluid}
+    f: {unit: J, shape: [1], from: fluid}
+  stability: {energy: [e]}
+record: {fields: [drag]}
+)");
+  const Workflow workflow = project.load(text);
+  EXPECT_EQ(workflow.coupling->fields.back().name, "e");
+  EXPECT_EQ(workflow.coupling->fields_left_out, (std::vector<std::string>{"f"}));
+}
+
+TEST_F(Check, ListsHaveNoHoles) {
+  EXPECT_THAT(project.problems(changed(coupled, "given: [diameter, density]",
+                                       "given: [diameter, density, {x: [1, ~, 3]}]")),
+              testing::Contains(testing::HasSubstr("an item of the list is empty")));
+}
+
+TEST_F(Check, ComparisonsNeedAUnitThatBeginsAtZero) {
+  const std::string compare = R"(compare:
+  - {name: t, quantity: t, reference: {value: 20 degC, source: here}, metric: absolute difference, tolerance: 0.5 degC, because: so}
+  - {name: u, quantity: t, reference: {value: 20 degC, source: here}, metric: absolute difference, tolerance: 0.5 K, because: so}
+)";
+  EXPECT_THAT(project.problems(coupled + compare),
+              ElementsAre(testing::HasSubstr("a comparison in degC, whose 0 is not 0 in SI")));
 }
 
 TEST_F(Check, ParticipantsAndCouplingBelongTogether) {

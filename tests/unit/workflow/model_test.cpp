@@ -73,6 +73,28 @@ TEST_F(Model, EveryCaseIsChecked) {
               ElementsAre("w.yaml:34:58: stage 'mesh' is not run here"));
 }
 
+TEST_F(Model, CasesWithinCasesHoldTogether) {
+  // The file's stage runs for 'meshed', whatever is chosen within that case.
+  const std::string nested =
+      changed(changed(coupled, "  fluid: {value: plain,",
+                      "  order: {value: first, choices: [first, second]}\n"
+                      "  fluid: {value: plain,"),
+              "      meshed: {template: freefem/mesh.edp, given: {mesh: {file: mesh/box.msh}}}\n",
+              R"(      meshed:
+        given: {mesh: {file: mesh/box.msh}}
+        choose: order
+        cases:
+          first: {template: freefem/mesh.edp}
+          second: {template: freefem/mesh.edp, deadline: 5 s}
+)");
+  for (const std::string fluid : {"plain", "meshed"}) {
+    for (const std::string order : {"first", "second"}) {
+      EXPECT_NO_THROW((void)project.load(nested, {{"fluid", fluid}, {"order", order}}))
+          << fluid << " " << order;
+    }
+  }
+}
+
 TEST_F(Model, CasesMustCoverTheChoices) {
   EXPECT_THAT(project.problems(changed(coupled, "      plain: {", "      plane: {")),
               ElementsAre("w.yaml:29:3: a freefem participant needs 'template'",
