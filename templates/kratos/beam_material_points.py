@@ -33,7 +33,8 @@ from sandglass_participant import connect  # noqa: E402
 Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
 participant = connect()
 
-slender = -int(-(length / (0.52 * height) - 1e-9) // 1)  # cells of at most 0.52 heights, as in freefem/beam_material_points.edp
+longest = 0.26 if length > 15.4 * height else 0.52  # heights, as in freefem/beam_material_points.edp
+slender = -int(-(length / (longest * height) - 1e-9) // 1)
 if grid_along < slender:
     grid_along, points_along = slender, max(points_along, 4 * slender)
     participant.note('the beam is so slender that its grid has %d cells along it' % grid_along)
