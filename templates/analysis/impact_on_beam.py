@@ -140,5 +140,5 @@ sandglass.figure('displacements', title='Displacement of sphere and beam', panel
 sandglass.figure('energy', title='Energy', panels=[
     dict(x_unit='ms', y='energy over that of the impact', curves=['sphere_energy', 'beam_energy', 'contact_energy']),
     dict(x_unit='ms', y='change of their sum', curves=['energy_change', 'energy_change_theory'])],
-    caption='The sum should not change: what it gains is made by the coupling (%.2g windows of lag).' % lag)
+    caption='The sum should not change: what it gains is made by the coupling (%.2g window%s of lag).' % (lag, '' if lag == 1 else 's'))
 sandglass.finish()
