@@ -9,7 +9,7 @@ import sandglass_analysis as sandglass
 
 clogged_below, clogged_for = {{clogged_below}}, {{clogged_for}}  # share of the largest rate before; s
 
-# A control is a point with this value of this parameter, and with the same seed and all else that tells cases apart.
+# A control is a point with this value of this parameter, and with the same seeds and all else that tells cases apart.
 control_of, control = {{control_of}}, {{control}}
 control_name = {'none': 'no flow', 'lammps': 'LAMMPS', 'yade': 'YADE'}[control]
 
@@ -31,7 +31,7 @@ class Course:
 
     def __init__(self, point):
         record = point.record()
-        self.point, self.seed = point, point.parameters['seed']
+        self.point = point
         self.time, eroded = point.counted('eroded')
         passed = numpy.append(0.0, numpy.cumsum(eroded))
         self.mass = passed * point.quantities['eroded_mass_per_area'] / passed[-1] if passed[-1] else passed
@@ -50,7 +50,8 @@ class Course:
     def control(self):
         """What a run must share with this one to be its control."""
         given = self.point.parameters
-        return (self.seed, len(self.time)) + ((given['drag'], given['cells']) if control_of == 'dem' else (given['dem'],))
+        seeds = (given['seed'], given['reinsertion_seed'])
+        return seeds + (len(self.time),) + ((given['drag'], given['cells']) if control_of == 'dem' else (given['dem'],))
 
 
 def strongest_drag(record, given):
@@ -98,6 +99,7 @@ for case, courses in cases.items():
     when = sorted(when for when in told if when is not None)
     ends.append([case, len(courses), '%.4f' % (statistics.median(masses[:, -1]) / 10),
                  '%.4f to %.4f' % (masses[:, -1].min() / 10, masses[:, -1].max() / 10),
+                 '%.4f' % (statistics.stdev(masses[:, -1]) / 10) if len(courses) > 1 else '-',
                  '%d of %d' % (len(when), len(told)) if told else 'too short to tell', ', '.join('%.1f' % one for one in when) or '-'])
     if told:
         going.append(sandglass.curve('going_' + short(case), time, [1 - sum(one <= now for one in when) / len(told) for now in time],
@@ -139,7 +141,7 @@ sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
                  caption='Specimens of one seed are the same in all cases of one engine. Bars: standard error of the mean over seeds. A run has clogged '
                          'when in %g s less than %g %% fell through of the most that fell in as long a time before. A run that ended because nothing fell '
                          'through any more is drawn on as it was.' % (clogged_for, 100 * clogged_below))
-sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'clogged', 'when in s'], ends)
+sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'standard deviation', 'clogged', 'when in s'], ends)
 
 
 def half_width(error, count):

@@ -68,7 +68,7 @@ def apply_drag():
 def put_back(window):
     away = is_aside()
     top = (beads('x')[:, 2] + radii)[~away].max()
-    random = numpy.random.default_rng([{{seed}}, window])
+    random = numpy.random.default_rng([{{seed}}, window, {{reinsertion_seed}}])
     places = loose_places(numpy.count_nonzero(away), fine_diameter / 2, section, top, {{cloud_porosity}}, random)
     put('x', numbers[away], places)
     mask = local('mask')

@@ -48,7 +48,7 @@ def apply_drag():
 def put_back(window):
     aside = [bead for bead in fines() if is_aside(bead)]
     top = max(bead.state.pos[2] + bead.shape.radius for bead in beads() if not is_aside(bead))
-    random = numpy.random.default_rng([{{seed}}, window])
+    random = numpy.random.default_rng([{{seed}}, window, {{reinsertion_seed}}])
     for bead, place in zip(aside, loose_places(len(aside), fine_diameter / 2, section, top, {{cloud_porosity}}, random)):
         bead.state.pos = tuple(place)
         bead.state.blockedDOFs, bead.bounded = '', True

@@ -23,9 +23,9 @@ class BandsTest(unittest.TestCase):
         self.addCleanup(self.place.cleanup)
         self.rows = []
 
-    def add(self, drag, seed, eroded, exit_code=0, planned=None, dem="lammps", flow=None):
+    def add(self, drag, seed, eroded, exit_code=0, planned=None, dem="lammps", flow=None, reinsertion_seed=0):
         """`planned`: how many windows it was to have, where it ended before them. `flow`: porosities and pressure differences."""
-        run = "%s-%s-%d" % (dem, drag, seed)
+        run = "%s-%s-%d-%d" % (dem, drag, seed, reinsertion_seed)
         folder = os.path.join(self.place.name, "points", run)
         os.makedirs(folder)
         windows = len(eroded)
@@ -41,7 +41,7 @@ class BandsTest(unittest.TestCase):
         self.rows.append({
             "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
             "run": os.path.join("..", "points", run), "exit_code": exit_code,
-            "parameters": {"drag": drag, "seed": seed, "dem": dem, "cells": 5, "cell_top": 0.05, "density": 2500.0, "fluid_density": 1000.0,
+            "parameters": {"drag": drag, "seed": seed, "reinsertion_seed": reinsertion_seed, "dem": dem, "cells": 5, "cell_top": 0.05, "density": 2500.0, "fluid_density": 1000.0,
                            "gravity": 10.0, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
             "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
 
@@ -78,6 +78,16 @@ class BandsTest(unittest.TestCase):
         self.add("none", 1, [10] * 8)
         self.add("coupled", 2, [10] * 8)
         self.assertIsNone(self.analyse()["quantities"]["added_by_coupling"]["value"])
+
+    def test_courses_of_one_specimen_are_pairs_of_their_own(self):
+        for course, more in ((0, 1), (1, 2), (2, 6)):
+            self.add("none", 1, [10 + course] * 8, reinsertion_seed=course)
+            self.add("coupled", 1, [10 + course] * 7 + [10 + course + more], reinsertion_seed=course)
+        result = self.analyse()
+        extra = UNIT * numpy.array([1, 2, 6])
+        self.assertAlmostEqual(result["quantities"]["added_by_coupling"]["value"], extra.mean(), delta=1e-12)
+        self.assertAlmostEqual(result["quantities"]["added_by_coupling_error"]["value"], extra.std(ddof=1) / math.sqrt(3), delta=1e-12)
+        self.assertEqual(result["tables"][0]["rows"][0][4], "%.4f" % (8 * UNIT / 10))  # standard deviation, g/cm2
 
     def test_programs_are_compared_seed_by_seed(self):
         for seed, base, more in ((1, 10, 1), (2, 100, -2), (3, 1000, 6)):
