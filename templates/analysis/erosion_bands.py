@@ -141,7 +141,8 @@ sandglass.figure('bands', title='Eroded mass over seeds', panels=panels,
                  caption='Specimens of one seed are the same in all cases of one engine. Bars: standard error of the mean over seeds. A run has clogged '
                          'when in %g s less than %g %% fell through of the most that fell in as long a time before. A run that ended because nothing fell '
                          'through any more is drawn on as it was.' % (clogged_for, 100 * clogged_below))
-sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest', 'standard deviation', 'clogged', 'when in s'], ends)
+sandglass.table('bands', 'Eroded mass at the end', ['case', 'seeds', 'median in g/cm2', 'lowest to highest',
+                                                    'standard deviation', 'clogged', 'when in s'], ends)
 
 
 def half_width(error, count):

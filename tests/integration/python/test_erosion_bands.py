@@ -41,8 +41,8 @@ class BandsTest(unittest.TestCase):
         self.rows.append({
             "name": run, "set": "", "label": run, "sample_of": drag, "repetition": 1, "expect": "done", "good": exit_code == 0,
             "run": os.path.join("..", "points", run), "exit_code": exit_code,
-            "parameters": {"drag": drag, "seed": seed, "reinsertion_seed": reinsertion_seed, "dem": dem, "cells": 5, "cell_top": 0.05, "density": 2500.0, "fluid_density": 1000.0,
-                           "gravity": 10.0, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
+            "parameters": {"drag": drag, "seed": seed, "reinsertion_seed": reinsertion_seed, "dem": dem, "cells": 5, "cell_top": 0.05,
+                           "density": 2500.0, "fluid_density": 1000.0, "gravity": 10.0, "window": WINDOW, "end_time": WINDOW * (planned or windows)},
             "quantities": {"eroded_mass_per_area": sum(eroded) * UNIT, "beads_unaccounted": 0.0}})
 
     def analyse(self, control_of="drag", control="none"):
