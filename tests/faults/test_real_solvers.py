@@ -121,6 +121,15 @@ sandglassDone();
         self.assert_said(ended, "grains", "window 3", "the sphere is gone")
         self.assertEqual(ended.record.windows, 2)
 
+    def test_yade_has_no_folder_of_temporary_files(self):
+        change(self.template("yade/settling_sphere_window.py"),
+               ("for step in", "import os\nassert False, 'it would be <%s>' % os.path.dirname(O.tmpFilename())\nfor step in"))
+        ended = self.sandglass("run", SPHERE, *sets(end_time="5 ms"), out="folder", home=self.home)
+        self.assert_failed(ended, PARTICIPANT, "failed", windows=0)
+        folder = re.search("it would be <(/[^>]+)>", read(ended.path("logs", "grains.log"))).group(1)
+        self.assertIn("yade", os.path.basename(folder))
+        self.assertFalse(os.path.exists(folder))
+
 
 if __name__ == "__main__":
     unittest.main()

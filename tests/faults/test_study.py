@@ -11,7 +11,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "integration"))
 
-from case import (BINARY, DONE, INTERRUPTED, MISMATCH, PARTICIPANT, REFUSED, USAGE, change, copy_of_home, read,  # noqa: E402
+from case import (BINARY, DONE, INTERRUPTED, MISMATCH, PARTICIPANT, REFUSED, SCRIPTED, USAGE, change, copy_of_home, read,  # noqa: E402
                   wait_until, write)
 from pair import FaultCase, command  # noqa: E402
 from test_resume import datasets  # noqa: E402
@@ -172,6 +172,20 @@ class Reuse(StudyCase):
         self.assertIn("solver python: templates/python/sandglass_analysis.py changed", self.why(self.name))
         write(path, text)
         self.assertIn("nothing would be run", self.why(self.name))
+
+    def test_a_module_that_a_command_runs(self):
+        module = self.place.join("home", "templates", "python", "deeds_by_module.py")
+        write(module, "import runpy, sys\nsys.path.insert(0, %r)\nrunpy.run_path(%r, run_name='__main__')\n"
+              % (os.path.dirname(SCRIPTED), SCRIPTED))
+        by_path = "'-S', '-E', '%s'" % SCRIPTED
+        self.assertEqual(SCENE.count(by_path), 2)
+        self.addCleanup(self.place.write, "scene.yaml", SCENE)
+        self.place.write("scene.yaml", SCENE.replace(by_path, "'-m', 'deeds_by_module'"))
+        self.assert_code(self.study(self.name), DONE)
+        self.assertIn("nothing would be run", self.why(self.name))
+        with open(module, "a") as file:
+            file.write("# changed\n")
+        self.assertEqual(self.why(self.name).count("template python/deeds_by_module.py changed"), 2)
 
     def test_parameters(self):
         said = self.why(self.name, "--set", "length=4")

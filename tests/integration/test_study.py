@@ -10,7 +10,7 @@ import socket
 import subprocess
 import unittest
 
-from case import DONE, MISMATCH, REFUSED, SPHERE, UNSTABLE, Case, Loads, read, sets, wait_until, write
+from case import DONE, ENVIRONMENT, MISMATCH, REFUSED, SPHERE, UNSTABLE, Case, Loads, read, sets, wait_until, write
 
 TAU = 2650 * 1e-4**2 / (18 * 1e-3)  # s
 STUDY = """\
@@ -170,6 +170,20 @@ class Slurm:
 
 
 class OnACluster(Case):
+    def test_what_an_earlier_job_was_told_does_not_hide_a_refusal(self):
+        """A cluster that refuses is stood in for by a script: a real one takes every job of a test."""
+        sbatch = self.place.write("refusing/sbatch", "#!/bin/sh\necho 'sbatch: error: invalid account' >&2\nexit 1\n")
+        os.chmod(sbatch, 0o755)
+        file = self.place.write("refused.yaml", "sandglass: 1\nname: refused\nstudy:\n  of: %s\n"
+                                                "  points:\n    - set: {window: 1 ms}\n" % SPHERE)
+        path = os.path.dirname(sbatch) + os.pathsep + os.environ["PATH"]
+        refused = self.sandglass("study", file, "--slurm", out="refused", environment={"PATH": path})
+        write(self.place.join("refused", "slurm", "sbatch.log"), "Submitted batch job 7\n")
+        again = self.sandglass("study", file, "--slurm", out="refused", environment={"PATH": path})
+        for ended in (refused, again):
+            self.assert_code(ended, ENVIRONMENT)
+            self.assert_said(ended, "invalid account", "SBATCH_PARTITION")
+
     def test_a_job_array_gives_what_the_pool_gives(self):
         if os.geteuid() != 0 or not all(map(shutil.which, ("munged", "slurmctld", "slurmd", "sbatch", "sinfo"))):
             self.skipTest("Slurm is not here (packages slurm-wlm, munge), or this is not root")
