@@ -70,6 +70,7 @@ if 'pressure_difference' in record:
     porosity = numpy.vstack((start_porosity, record['porosity'][:-1]))
     surface = numpy.vstack((start_surface, record['specific_surface'][:-1]))
 {{#drag.constant}}
+    in_cells = ((1 - porosity) * {'volume': 1, 'surface': surface}[{{drag_split}}]).sum(axis=1)  # of the size that drag is shared by
     porosity, surface = porosity[:1].repeat(record.windows, 0), surface[:1].repeat(record.windows, 0)
 {{/drag.constant}}
     empty = porosity >= 1  # a cell without beads: freefem/darcy_column.edp says what it is taken for
@@ -100,8 +101,12 @@ if 'pressure_difference' in record:
         residual = (abs(difference - exact)[applied] / (WATER_WEIGHT * head[applied, None])).max()
 {{#drag.coupled}}
         wanted = numpy.where(empty, 0, difference).sum(axis=1) * area  # where no bead is, the water pushes none
-        balance = (abs(record['drag_total'][:, 0] - wanted)[applied] / wanted[applied]).max()
 {{/drag.coupled}}
+{{#drag.constant}}
+        wanted = difference.sum(axis=1) * area * in_cells / (in_cells[0] or 1)  # it goes with the beads
+{{/drag.constant}}
+        wanted, got = wanted[applied], record['drag_total'][applied, 0]
+        balance = (abs(got - wanted) / numpy.where(wanted > 0, wanted, 1)).max()  # of a column without beads: its drag itself, 0 N
     share = difference / WATER_WEIGHT / numpy.where(applied, head, 1)[:, None]
     quantity('head_share_of_cells', share[-1], '1', 'head loss of each cell over the whole head, from below, last window')
     quantity('flux_final', record['flux'][-1, 0], 'm/s', 'Darcy flux of the last window')

@@ -9,7 +9,6 @@ volumes = 4 / 3 * numpy.pi * radii**3  # m3
 with h5py.File({{start}}, 'r', locking=False) as file:
     solid = (1 - file['porosity'][...]) * column.area * column.heights                         # m3, in each cell
     split_by = {'volume': solid, 'surface': density * solid * file['specific_surface'][...]}   # m3, m2
-sizes_of_split = {'volume': volumes, 'surface': 4 * numpy.pi * radii**2}
 {{/drag.constant}}
 
 
@@ -38,8 +37,9 @@ def drag_of(z, pressure_difference, fine_gradient):
 {{/drag.coupled}}
 {{#drag.constant}}
     # One mean force per volume, or surface, for all: that of the specimen's first head loss over the whole coarse layer.
-    per_size = pressure_difference.sum() * column.area / split_by[{{drag_split}}].sum()
-    force = per_size * sizes_of_split[{{drag_split}}] * ((z > 0) & (z < borders[-1]))
+    size = dict(zip(('volume', 'surface'), column.parts(z, radii)))[{{drag_split}}].sum(axis=0)
+    total = split_by[{{drag_split}}].sum()
+    force = pressure_difference.sum() * column.area * (size / total if total > 0 else 0 * size)
 {{/drag.constant}}
     total = force.sum()
 {{#fine_layer_drag}}

@@ -347,6 +347,18 @@ class Options(Case):
         place = ended.record["position"]
         self.assertTrue(((place[:, :, :2] >= 0) & (place[:, :, :2] <= 6.2e-3)).all())
 
+    def test_constant_drag_goes_with_the_beads_in_the_cells(self):
+        ended = self.sandglass("run", WORKFLOW, *sets(drag="constant", **Checkpoints.QUICK), out="constant", seconds=HANG)
+        self.assert_code(ended, DONE)
+        self.assertLess(ended.quantity("drag_balance_error_max"), 1e-10)
+        record = ended.record
+        with h5py.File(ended.path("stages", "start", "start.h5")) as file:
+            porosity = numpy.vstack((file["porosity"][...], record["porosity"][:-1]))
+        solid = (1 - porosity).sum(axis=1)
+        wanted = record["pressure_difference"][0].sum() * 36e-6 * solid / solid[0]
+        self.assertGreater(abs(solid / solid[0] - 1).max(), 1e-3, "no bead came or went: the test says nothing")
+        numpy.testing.assert_allclose(record["drag_total"][:, 0], wanted, rtol=1e-10)
+
     def test_a_periodic_section_too_narrow_for_yade_is_refused(self):
         ended = self.sandglass("run", WORKFLOW, *sets(scale="small", sides="periodic", section="6 mm"), out="narrow", seconds=HANG)
         self.assert_code(ended, PARTICIPANT)

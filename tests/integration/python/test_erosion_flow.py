@@ -51,6 +51,16 @@ class FlowTest(unittest.TestCase):
             self.assertEqual(force[-1], 0, "above the cells")
             self.assertAlmostEqual(force[0] / force[1] / (COARSE / FINE) ** power, 1, delta=1e-12)
 
+    def test_constant_drag_acts_on_the_part_of_a_bead_that_lies_in_the_cells(self):
+        drag_of = self.names("constant")["drag_of"]
+        position = self.position.copy()
+        inside, total = drag_of(position[:, 2], numpy.array([30.0, 20.0]), 0.0)
+        position[0, 2] = 10e-3  # half of the coarse bead is above the cells
+        half, less = drag_of(position[:, 2], numpy.array([30.0, 20.0]), 0.0)
+        self.assertAlmostEqual(half[0] / inside[0], 0.5, delta=1e-12)
+        numpy.testing.assert_array_equal(half[1:], inside[1:])
+        self.assertAlmostEqual(less, half.sum(), delta=1e-12 * total)
+
     def test_who_left_beside_the_plate_is_not_accounted_for(self):
         for periodic, lost in ((False, 1), (True, 0)):
             names = self.names("none", periodic=periodic)
